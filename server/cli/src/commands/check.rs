@@ -1,0 +1,44 @@
+//! `tyndall check`: everything `render` would refuse, without a device.
+
+use std::io::Write as _;
+
+use clap::Args;
+use tyndall_render::check_supported;
+use tyndall_scene::facts;
+
+use crate::scene_argument;
+
+/// Validate a scene without rendering it.
+#[derive(Debug, Args)]
+pub struct Check {
+    /// Preset, .json scene, or bare .gltf, .glb or .obj model.
+    scene: String,
+    /// Print the scene's facts as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Check {
+    pub fn run(self) -> anyhow::Result<()> {
+        let loaded = scene_argument::load(&self.scene)?;
+        let facts = facts(&loaded.scene);
+        let mut out = std::io::stdout().lock();
+        if self.json {
+            writeln!(out, "{}", serde_json::to_string_pretty(&facts)?)?;
+        } else {
+            let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
+            writeln!(
+                out,
+                "{}: valid; {} triangles in {} instances, {} textures, {lights} lights, {} media, optical thickness {:.3}",
+                self.scene,
+                facts.triangles,
+                facts.instances,
+                facts.textures,
+                facts.media,
+                facts.optical_thickness
+            )?;
+        }
+        check_supported(&loaded.scene)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,8 @@
+//! One file a command.
+
+pub mod adapters;
+pub mod bench;
+pub mod check;
+pub mod plan;
+pub mod render;
+pub mod serve;

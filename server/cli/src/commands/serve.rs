@@ -1,0 +1,52 @@
+//! `tyndall serve`: the page and its stream.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use clap::Args;
+use tokio_util::sync::CancellationToken;
+use tyndall_service::ServeOptions;
+
+use crate::scene_argument::{self, DeviceArguments};
+
+/// Serve the page and stream pictures to it.
+#[derive(Debug, Args)]
+pub struct Serve {
+    /// Preset, .json scene, or bare .gltf, .glb or .obj model that new sessions see.
+    #[arg(default_value = tyndall_scene::presets::DEFAULT)]
+    scene: String,
+    /// Address to listen on; port 0 takes a free one. Anything but loopback needs --token.
+    #[arg(long, env = "TYNDALL_BIND", default_value = "127.0.0.1:8080")]
+    bind: SocketAddr,
+    /// Secret that clients must show (Authorization: Bearer, or ?token= in the page's address).
+    #[arg(long, env = "TYNDALL_TOKEN", hide_env_values = true)]
+    token: Option<String>,
+    /// Write the bound address here.
+    #[arg(long)]
+    port_file: Option<PathBuf>,
+    /// Another origin whose pages may open the stream (repeatable).
+    #[arg(long = "allow-origin")]
+    allowed_origins: Vec<String>,
+    #[command(flatten)]
+    device: DeviceArguments,
+}
+
+impl Serve {
+    pub fn run(self) -> anyhow::Result<()> {
+        let scene = scene_argument::load(&self.scene)?;
+        let options = ServeOptions {
+            device: self.device.options(),
+            token: self.token,
+            port_file: self.port_file,
+            allowed_origins: self.allowed_origins,
+            ..ServeOptions::new(self.bind, scene)
+        };
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .enable_all()
+            .build()
+            .context("cannot start the async runtime")?;
+        runtime.block_on(tyndall_service::serve(options, CancellationToken::new()))?;
+        Ok(())
+    }
+}

@@ -1,0 +1,51 @@
+//! Table of contents of a frame: the passes of the plan, in order.
+
+use crate::engine::Recording;
+use crate::error::RenderError;
+use crate::image::{self, Work};
+use crate::plan::{FramePlan, PassKind};
+use crate::programs::Bindings;
+use crate::techniques::{single_scattering, surfaces};
+use crate::tonemap;
+use crate::view::ViewParts;
+
+/// Records what `work` needs of `plan`.
+pub(crate) fn record(
+    recording: &mut Recording<'_>,
+    plan: &FramePlan,
+    parts: &mut ViewParts<'_>,
+    work: Work,
+) -> Result<(), RenderError> {
+    recording
+        .encoder
+        .clear_buffer(&parts.inputs.statistics, 0, None);
+    for planned in &plan.passes {
+        let needed = work == Work::Sample || planned.pass == PassKind::Tonemap;
+        if !needed {
+            continue;
+        }
+        if planned.pass == PassKind::ShadowMaps {
+            parts
+                .shadows
+                .record(recording, parts.geometry, &parts.inputs.instances)?;
+            continue;
+        }
+        let mut bindings = Bindings::default();
+        parts.bind(&mut bindings);
+        let (targets, variant) = (parts.targets, planned.variant.as_str());
+        match planned.pass {
+            // Built when the view took the geometry.
+            PassKind::Bvh | PassKind::ShadowMaps => {}
+            PassKind::Gbuffer => {
+                surfaces::record_gbuffer(recording, &bindings, targets, parts.geometry, variant)?;
+            }
+            PassKind::Shade => surfaces::record_shade(recording, &bindings, targets, variant)?,
+            PassKind::SingleScattering => {
+                single_scattering::record(recording, &bindings, targets, variant)?
+            }
+            PassKind::Film => image::record(recording, &bindings, targets, variant)?,
+            PassKind::Tonemap => tonemap::record(recording, &bindings, targets, variant)?,
+        }
+    }
+    Ok(())
+}

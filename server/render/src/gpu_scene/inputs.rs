@@ -1,0 +1,182 @@
+//! The buffers of one view that hold camera-relative values, refilled when what they hold changes.
+
+use glam::{DVec3, DVec4};
+use tyndall_scene::{Camera, Scene, SceneFacts};
+use tyndall_shaders::types;
+
+use super::{GpuGeometry, Origin, instance_values, light_values, medium_values};
+use crate::device::Device;
+use crate::readback::statistics_scale;
+use crate::techniques::shadow_maps::{ShadowMaps, columns};
+use crate::tonemap::exposure_scale;
+
+/// Buffers of one view.
+#[derive(Debug)]
+pub(crate) struct Inputs {
+    pub frame: wgpu::Buffer,
+    pub instances: wgpu::Buffer,
+    pub lights: wgpu::Buffer,
+    pub media: wgpu::Buffer,
+    pub statistics: wgpu::Buffer,
+}
+
+/// What of a frame changes with every sample.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SampleValues {
+    pub pixel_offset: [f32; 2],
+    pub sample_index: u32,
+    pub march_steps: u32,
+}
+
+impl Inputs {
+    pub fn new(device: &Device, scene: &Scene) -> Self {
+        let buffer = |label: &str, size: usize, usage: wgpu::BufferUsages| {
+            device.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: (size.max(16) as u64).next_multiple_of(16),
+                usage: usage | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let none = wgpu::BufferUsages::empty();
+        Self {
+            frame: buffer("frame", size_of::<types::Frame>(), none),
+            instances: buffer(
+                "instances",
+                scene.geometry.instances.len() * size_of::<types::Instance>(),
+                none,
+            ),
+            lights: buffer(
+                "lights",
+                scene.lights.len().max(1) * size_of::<types::Light>(),
+                none,
+            ),
+            media: buffer(
+                "media",
+                scene.media.len().max(1) * size_of::<types::Medium>(),
+                none,
+            ),
+            statistics: buffer(
+                "statistics",
+                size_of::<types::Statistics>(),
+                wgpu::BufferUsages::COPY_SRC,
+            ),
+        }
+    }
+
+    /// Whether the buffers hold as many lights and media as `scene` has.
+    pub fn fits(&self, scene: &Scene) -> bool {
+        self.lights.size() >= (scene.lights.len() * size_of::<types::Light>()) as u64
+            && self.media.size() >= (scene.media.len() * size_of::<types::Medium>()) as u64
+    }
+
+    /// Uploads everything that depends on the scene's state or the camera's position.
+    pub fn upload_scene(
+        &self,
+        device: &Device,
+        scene: &Scene,
+        geometry: &GpuGeometry,
+        shadows: &ShadowMaps,
+    ) {
+        let origin = Origin(scene.camera.position);
+        let write = |buffer: &wgpu::Buffer, bytes: &[u8]| {
+            if !bytes.is_empty() {
+                device.queue.write_buffer(buffer, 0, bytes);
+            }
+        };
+        let instances = instance_values(&scene.geometry, &geometry.instance_order, origin);
+        write(&self.instances, bytemuck::cast_slice(&instances));
+        let lights: Vec<_> = scene
+            .lights
+            .iter()
+            .enumerate()
+            .map(|(i, light)| light_values(light, shadows.of_light(i), origin))
+            .collect();
+        write(&self.lights, bytemuck::cast_slice(&lights));
+        let media: Vec<_> = scene
+            .media
+            .iter()
+            .filter_map(|medium| medium_values(medium, origin))
+            .collect();
+        write(&self.media, bytemuck::cast_slice(&media));
+        shadows.upload(device, origin);
+    }
+
+    /// Uploads the frame's own values.
+    pub fn upload_frame(
+        &self,
+        device: &Device,
+        scene: &Scene,
+        facts: &SceneFacts,
+        anchor: DVec3,
+        size: (u32, u32),
+        sample: SampleValues,
+    ) {
+        let value = frame_values(scene, facts, anchor, size, sample);
+        device
+            .queue
+            .write_buffer(&self.frame, 0, bytemuck::bytes_of(&value));
+    }
+}
+
+fn frame_values(
+    scene: &Scene,
+    facts: &SceneFacts,
+    anchor: DVec3,
+    (width, height): (u32, u32),
+    sample: SampleValues,
+) -> types::Frame {
+    let camera = &scene.camera;
+    let (right, up, forward) = basis(camera);
+    let tan_y = (f64::from(camera.vertical_fov) / 2.0).tan();
+    let tan_x = tan_y * f64::from(width) / f64::from(height);
+    let diagonal = (facts.bounds.max - facts.bounds.min).length();
+    let near = (1e-4 * diagonal).clamp(1e-4, 0.02);
+    // Puts the sample's position in the pixel where the rasterizer samples: its centre.
+    let shift_x = (1.0 - 2.0 * f64::from(sample.pixel_offset[0])) / f64::from(width);
+    let shift_y = (2.0 * f64::from(sample.pixel_offset[1]) - 1.0) / f64::from(height);
+    let row = |v: DVec3| DVec4::new(v.x, v.y, v.z, 0.0);
+    let w = row(forward);
+    let clip_from_relative = columns([
+        row(right / tan_x) + w * shift_x,
+        row(up / tan_y) + w * shift_y,
+        DVec4::new(0.0, 0.0, 0.0, near),
+        w,
+    ]);
+    types::Frame {
+        clip_from_relative,
+        right: (right * tan_x).as_vec3().to_array(),
+        width,
+        up: (up * tan_y).as_vec3().to_array(),
+        height,
+        forward: forward.as_vec3().to_array(),
+        near: near as f32,
+        camera_from_anchor: (camera.position - anchor).as_vec3().to_array(),
+        far: far_distance(facts, camera, diagonal) as f32,
+        pixel_offset: sample.pixel_offset,
+        sample_index: sample.sample_index,
+        seed: (scene.render.seed ^ (scene.render.seed >> 32)) as u32,
+        background: [0.0; 3],
+        light_count: scene.lights.len() as u32,
+        medium_count: scene.media.len() as u32,
+        march_steps: sample.march_steps,
+        march_jitter: scene.render.single_scattering.jitter.into(),
+        exposure_scale: exposure_scale(camera.exposure_ev),
+        statistics_scale: statistics_scale(width, height),
+        accumulated: sample.sample_index + 1,
+        padding: [0; 2],
+    }
+}
+
+/// Where a ray that meets nothing ends: beyond everything bounded, plus a stretch of whatever fills space.
+fn far_distance(facts: &SceneFacts, camera: &Camera, diagonal: f64) -> f64 {
+    let middle = 0.5 * (facts.bounds.min + facts.bounds.max);
+    ((camera.position - middle).length() + 4.0 * diagonal).max(1.0)
+}
+
+/// Right, up and forward of a camera; validation excludes degenerate ones.
+fn basis(camera: &Camera) -> (DVec3, DVec3, DVec3) {
+    let forward = (camera.target - camera.position).normalize_or(DVec3::NEG_Z);
+    let right = forward.cross(camera.up.as_dvec3()).normalize_or(DVec3::X);
+    (right, right.cross(forward), forward)
+}

@@ -1,0 +1,15 @@
+//! A scene on the device: geometry shared by every view of it, and the camera-relative values of one
+//! view. Positions are subtracted from the camera in f64 before they become f32.
+
+mod bvh;
+mod geometry;
+mod inputs;
+mod materials;
+mod textures;
+mod values;
+
+pub(crate) use bvh::GpuBvh;
+pub(crate) use geometry::{Draw, DrawClass, GpuGeometry, VERTEX_LAYOUT};
+pub(crate) use inputs::{Inputs, SampleValues};
+pub(crate) use textures::TextureArrays;
+pub(crate) use values::{Origin, instance_values, light_values, medium_values};

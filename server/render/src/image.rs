@@ -1,0 +1,151 @@
+//! The running mean of a view: what restarts it, and when it is finished.
+
+use std::time::Instant;
+
+use tyndall_scene::{Scene, StopRule};
+
+use crate::targets::Targets;
+
+/// What differs between two states of a view, as far as the picture is concerned.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Change {
+    /// Triangles, materials or textures.
+    pub geometry: bool,
+    /// Any radiance: camera pose, lights, media, settings, seed. Restarts the mean.
+    pub radiance: bool,
+    /// Only how it is displayed. Keeps the mean.
+    pub exposure: bool,
+    /// Only when it is finished. Keeps the mean.
+    pub stop: bool,
+}
+
+impl Change {
+    /// Everything that differs from `old` to `new`.
+    pub fn between(old: &Scene, new: &Scene) -> Self {
+        let mut same_display = new.camera;
+        same_display.exposure_ev = old.camera.exposure_ev;
+        let mut same_stop = new.render.clone();
+        same_stop.stop = old.render.stop;
+        // The picture's size is the view's, not the scene's.
+        (same_stop.width, same_stop.height) = (old.render.width, old.render.height);
+        Self {
+            geometry: old.geometry != new.geometry,
+            radiance: same_display != old.camera
+                || same_stop != old.render
+                || old.lights != new.lights
+                || old.media != new.media
+                || old.environment != new.environment,
+            exposure: old.camera.exposure_ev.to_bits() != new.camera.exposure_ev.to_bits(),
+            stop: old.render.stop != new.render.stop,
+        }
+    }
+}
+
+/// State of the running mean.
+#[derive(Debug)]
+pub(crate) struct Image {
+    samples: u32,
+    epoch: u32,
+    started: Instant,
+    /// The mean is up to date but was never shown with the present exposure.
+    redisplay: bool,
+}
+
+/// What the next frame of a view has to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Work {
+    /// Nothing: finished and shown.
+    Nothing,
+    /// Show the finished mean again, with another exposure.
+    Redisplay,
+    /// Add a sample.
+    Sample,
+}
+
+impl Image {
+    pub fn new() -> Self {
+        Self {
+            samples: 0,
+            epoch: 0,
+            started: Instant::now(),
+            redisplay: false,
+        }
+    }
+
+    /// Applies the reset rules.
+    pub fn apply(&mut self, change: Change) {
+        if change.geometry || change.radiance {
+            self.restart();
+        }
+        if change.exposure {
+            self.redisplay = true;
+        }
+    }
+
+    /// Forgets every sample.
+    pub fn restart(&mut self) {
+        self.samples = 0;
+        self.epoch = self.epoch.wrapping_add(1);
+        self.started = Instant::now();
+        self.redisplay = false;
+    }
+
+    /// Samples in the mean.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Counts restarts.
+    pub fn epoch(&self) -> u32 {
+        self.epoch
+    }
+
+    /// Whether the stop rule is met.
+    pub fn is_finished(&self, stop: StopRule) -> bool {
+        match stop {
+            StopRule::Samples(target) => self.samples >= target,
+            StopRule::Seconds(seconds) => {
+                self.samples > 0 && self.started.elapsed().as_secs_f32() >= seconds
+            }
+            // Refused before a view exists: no variance is known yet.
+            StopRule::RelativeError(_) => self.samples > 0,
+        }
+    }
+
+    /// What is left to do.
+    pub fn work(&self, stop: StopRule) -> Work {
+        if !self.is_finished(stop) {
+            Work::Sample
+        } else if self.redisplay {
+            Work::Redisplay
+        } else {
+            Work::Nothing
+        }
+    }
+
+    /// Notes that `work` was submitted.
+    pub fn advance(&mut self, work: Work) {
+        if work == Work::Sample {
+            self.samples += 1;
+        }
+        self.redisplay = false;
+    }
+
+    /// Position of the next sample inside its pixel, [0, 1)²: the centre first, then the R2
+    /// sequence (Roberts 2018), which fills the square evenly for every prefix.
+    pub fn pixel_offset(&self) -> [f32; 2] {
+        let n = f64::from(self.samples);
+        let place = |step: f64| (0.5 + n * step).fract() as f32;
+        [place(0.754_877_666_246_693), place(0.569_840_290_998_053_3)]
+    }
+}
+
+/// Records the film pass: adds this frame's sample to the mean and counts.
+pub(crate) fn record(
+    recording: &mut crate::engine::Recording<'_>,
+    bindings: &crate::programs::Bindings<'_>,
+    targets: &Targets,
+    variant: &str,
+) -> Result<(), crate::error::RenderError> {
+    recording.compute("film", variant, bindings, targets.width, targets.height)
+}

@@ -1,0 +1,307 @@
+//! What one frame does, and why. Pure: equal inputs give equal plans.
+
+use std::fmt;
+
+use serde::Serialize;
+use tyndall_scene::SceneFacts;
+use tyndall_scene::{RenderSettings, ShadowMode};
+
+/// A pass of the renderer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PassKind {
+    /// Builds the BVH, once a geometry.
+    Bvh,
+    /// Depth maps seen from the lights; re-rendered only for what moved.
+    ShadowMaps,
+    /// Depth, base colour, normal, emission of what the camera sees.
+    Gbuffer,
+    /// Direct light of surfaces, attenuated.
+    Shade,
+    /// Light scattered once in the media.
+    SingleScattering,
+    /// Running mean and statistics.
+    Film,
+    /// Exposure, curve, encoding.
+    Tonemap,
+}
+
+impl PassKind {
+    /// Name in plans, metrics and labels.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bvh => "bvh",
+            Self::ShadowMaps => "shadow_maps",
+            Self::Gbuffer => "gbuffer",
+            Self::Shade => "shade",
+            Self::SingleScattering => "single_scattering",
+            Self::Film => "film",
+            Self::Tonemap => "tonemap",
+        }
+    }
+}
+
+/// A pass that runs.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct PlannedPass {
+    /// Which.
+    pub pass: PassKind,
+    /// Permutation of its shader; empty where several or none are used.
+    pub variant: String,
+    /// Why it runs.
+    pub reason: String,
+}
+
+/// A pass, or part of one, that does not run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SkippedPass {
+    /// Which.
+    pub pass: PassKind,
+    /// What of it is left out; empty for all of it.
+    pub variant: String,
+    /// Why it is skipped.
+    pub reason: String,
+}
+
+/// Passes in the order they run, and what is skipped.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Default)]
+pub struct FramePlan {
+    /// Runs, in this order.
+    pub passes: Vec<PlannedPass>,
+    /// Does not run.
+    pub skipped: Vec<SkippedPass>,
+}
+
+/// What the device allows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PlanLimits {
+    /// The driver stops an invocation after so many loop iterations.
+    pub loop_cap: Option<u32>,
+}
+
+impl FramePlan {
+    fn run(&mut self, pass: PassKind, variant: &str, reason: impl Into<String>) {
+        self.passes.push(PlannedPass {
+            pass,
+            variant: variant.to_owned(),
+            reason: reason.into(),
+        });
+    }
+
+    fn skip(&mut self, pass: PassKind, variant: &str, reason: impl Into<String>) {
+        self.skipped.push(SkippedPass {
+            pass,
+            variant: variant.to_owned(),
+            reason: reason.into(),
+        });
+    }
+
+    /// Variant with which `pass` runs, if it does.
+    pub fn variant(&self, pass: PassKind) -> Option<&str> {
+        self.passes
+            .iter()
+            .find(|planned| planned.pass == pass)
+            .map(|planned| planned.variant.as_str())
+    }
+
+    /// Whether `pass` runs.
+    pub fn runs(&self, pass: PassKind) -> bool {
+        self.variant(pass).is_some()
+    }
+}
+
+/// How visibility is found once everything is known.
+fn visibility(facts: &SceneFacts, settings: &RenderSettings, lights: usize) -> ShadowMode {
+    if lights == 0 || facts.triangles == 0 {
+        ShadowMode::Off
+    } else {
+        settings.shadows.mode
+    }
+}
+
+/// Decides what a frame of a scene with these facts does.
+pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) -> FramePlan {
+    let mut plan = FramePlan::default();
+    let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
+    let shadows = visibility(facts, settings, lights);
+    plan_visibility(&mut plan, facts, settings, lights, shadows);
+    let suffix = match shadows {
+        ShadowMode::Off => "",
+        ShadowMode::Mapped => "+mapped",
+        ShadowMode::Traced => "+traced",
+    };
+    let emissive = if facts.emissive_triangles > 0 {
+        "+emissive"
+    } else {
+        ""
+    };
+    let media = if facts.media > 0 { "+media" } else { "" };
+    if facts.triangles > 0 {
+        let textured = if facts.textures > 0 { "+textured" } else { "" };
+        plan.run(
+            PassKind::Gbuffer,
+            &format!("{emissive}{textured}"),
+            format!(
+                "{} triangles in {} instances",
+                facts.triangles, facts.instances
+            ),
+        );
+    } else {
+        plan.skip(
+            PassKind::Gbuffer,
+            "",
+            "no triangles: only the depth is cleared",
+        );
+    }
+    if emissive.is_empty() {
+        plan.skip(
+            PassKind::Gbuffer,
+            "emission target",
+            "no emissive triangles",
+        );
+    } else {
+        plan.skip(
+            PassKind::Shade,
+            "light from emissive triangles",
+            format!(
+                "{} emissive triangles are seen but light nothing: single_scattering doesn't transport area lights",
+                facts.emissive_triangles
+            ),
+        );
+    }
+    plan.run(
+        PassKind::Shade,
+        &format!("shade{emissive}{media}{suffix}"),
+        format!(
+            "{lights} lights on surfaces, attenuated by {} media",
+            facts.media
+        ),
+    );
+    let marched = plan_march(&mut plan, facts, settings, lights, suffix, *limits);
+    plan.run(
+        PassKind::Film,
+        if marched { "film+in_scatter" } else { "film" },
+        "running mean while nothing changes",
+    );
+    plan.run(PassKind::Tonemap, "tonemap", "8-bit picture for the screen");
+    plan
+}
+
+fn plan_visibility(
+    plan: &mut FramePlan,
+    facts: &SceneFacts,
+    settings: &RenderSettings,
+    lights: usize,
+    shadows: ShadowMode,
+) {
+    let without = if lights == 0 {
+        "no lights"
+    } else if facts.triangles == 0 {
+        "no surfaces that could cast a shadow"
+    } else {
+        "shadows are off"
+    };
+    match shadows {
+        ShadowMode::Mapped => {
+            let views = facts.spot_lights + 6 * facts.point_lights + facts.directional_lights;
+            let side = settings.shadows.resolution;
+            plan.skip(PassKind::Bvh, "", "no pass traces rays");
+            plan.run(
+                PassKind::ShadowMaps,
+                "",
+                format!(
+                    "up to {views} views of {side}×{side}, kept until a light or a caster moves"
+                ),
+            );
+        }
+        ShadowMode::Traced => {
+            plan.run(
+                PassKind::Bvh,
+                "",
+                format!("{} triangles, built once", facts.triangles),
+            );
+            plan.skip(PassKind::ShadowMaps, "", "visibility is traced");
+        }
+        ShadowMode::Off => {
+            plan.skip(PassKind::Bvh, "", "no pass traces rays");
+            plan.skip(PassKind::ShadowMaps, "", without);
+        }
+    }
+}
+
+fn plan_march(
+    plan: &mut FramePlan,
+    facts: &SceneFacts,
+    settings: &RenderSettings,
+    lights: usize,
+    suffix: &str,
+    limits: PlanLimits,
+) -> bool {
+    let pass = PassKind::SingleScattering;
+    let reason = if facts.media == 0 {
+        "no media"
+    } else if !facts.scatters && !facts.medium_emits {
+        "no medium scatters or emits: transmittance only"
+    } else if lights == 0 && !facts.medium_emits {
+        "no light to scatter"
+    } else {
+        let phase = if facts.anisotropic {
+            "anisotropic"
+        } else {
+            plan.skip(pass, "phase function", "g = 0 everywhere: 1/4π");
+            "isotropic"
+        };
+        let wanted = settings.single_scattering.steps;
+        let steps = march_steps(facts, settings, limits);
+        let mut why = format!(
+            "{steps} steps a ray, {lights} lights, {} media",
+            facts.media
+        );
+        if steps < wanted {
+            why.push_str(&format!(
+                "; {wanted} were asked for, but this driver stops a shader after {} loop iterations",
+                limits.loop_cap.unwrap_or_default()
+            ));
+        }
+        plan.run(pass, &format!("single_scattering+{phase}{suffix}"), why);
+        return true;
+    };
+    plan.skip(pass, "", reason);
+    false
+}
+
+/// Steps of the march that keep an invocation below the driver's loop cap.
+pub(crate) fn march_steps(
+    facts: &SceneFacts,
+    settings: &RenderSettings,
+    limits: PlanLimits,
+) -> u32 {
+    let wanted = settings.single_scattering.steps;
+    let Some(cap) = limits.loop_cap else {
+        return wanted;
+    };
+    let lights = (facts.point_lights + facts.spot_lights + facts.directional_lights).max(1) as u32;
+    let media = facts.media.max(1) as u32;
+    // A shadow ray visits tens of nodes; the bound leaves room for hundreds.
+    let per_ray = if settings.shadows.mode == ShadowMode::Traced {
+        400
+    } else {
+        0
+    };
+    let per_step = 2 * media + lights * (1 + 2 * media + per_ray);
+    wanted.min(((cap - 2000) / per_step).max(1))
+}
+
+impl fmt::Display for FramePlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "runs")?;
+        for p in &self.passes {
+            writeln!(f, "  {:<18} {:<36} {}", p.pass.name(), p.variant, p.reason)?;
+        }
+        writeln!(f, "skipped")?;
+        for p in &self.skipped {
+            writeln!(f, "  {:<18} {:<36} {}", p.pass.name(), p.variant, p.reason)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,269 @@
+//! Pipelines built on first use, and bind groups filled by the names in the shader.
+//!
+//! Layouts come from the shader itself and resources are found by the reflected variable names, so
+//! no list of binding numbers exists that could drift from the WESL sources.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use tyndall_shaders::{Shader, Stage};
+
+use crate::device::Device;
+use crate::error::RenderError;
+
+/// Bind groups in the order of their indices.
+pub(crate) type Groups = Vec<(u32, wgpu::BindGroup)>;
+
+/// Cache of pipelines, by name of the permutation.
+#[derive(Debug, Default)]
+pub(crate) struct Programs {
+    compute: RefCell<HashMap<String, Arc<ComputeProgram>>>,
+    raster: RefCell<HashMap<String, Arc<RasterProgram>>>,
+}
+
+/// A compute pipeline with its shader.
+#[derive(Debug)]
+pub(crate) struct ComputeProgram {
+    pub shader: &'static Shader,
+    pipeline: wgpu::ComputePipeline,
+}
+
+/// A raster pipeline with its shader.
+#[derive(Debug)]
+pub(crate) struct RasterProgram {
+    pub shader: &'static Shader,
+    pipeline: wgpu::RenderPipeline,
+}
+
+/// What a raster pipeline draws into.
+#[derive(Debug)]
+pub(crate) struct RasterTargets<'a> {
+    pub colors: &'a [wgpu::TextureFormat],
+    pub depth_bias: wgpu::DepthBiasState,
+}
+
+/// Resources by the name of the shader's variable.
+#[derive(Debug, Default)]
+pub(crate) struct Bindings<'a> {
+    entries: Vec<(&'static str, wgpu::BindingResource<'a>)>,
+}
+
+impl<'a> Bindings<'a> {
+    pub fn buffer(&mut self, name: &'static str, buffer: &'a wgpu::Buffer) -> &mut Self {
+        self.entries.push((name, buffer.as_entire_binding()));
+        self
+    }
+
+    pub fn slice(
+        &mut self,
+        name: &'static str,
+        buffer: &'a wgpu::Buffer,
+        offset: u64,
+        size: std::num::NonZeroU64,
+    ) -> &mut Self {
+        self.entries.push((
+            name,
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer,
+                offset,
+                size: Some(size),
+            }),
+        ));
+        self
+    }
+
+    pub fn texture(&mut self, name: &'static str, view: &'a wgpu::TextureView) -> &mut Self {
+        self.entries
+            .push((name, wgpu::BindingResource::TextureView(view)));
+        self
+    }
+
+    pub fn sampler(&mut self, name: &'static str, sampler: &'a wgpu::Sampler) -> &mut Self {
+        self.entries
+            .push((name, wgpu::BindingResource::Sampler(sampler)));
+        self
+    }
+
+    fn find(&self, name: &str) -> Option<wgpu::BindingResource<'a>> {
+        self.entries
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, resource)| resource.clone())
+    }
+}
+
+impl Programs {
+    /// The compute pipeline of permutation `name`, built if this is its first use.
+    pub fn compute(&self, device: &Device, name: &str) -> Result<Arc<ComputeProgram>, RenderError> {
+        if let Some(program) = self.compute.borrow().get(name) {
+            return Ok(Arc::clone(program));
+        }
+        let shader = find(name)?;
+        let module = module(device, shader);
+        let pipeline = device
+            .device
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: None,
+                module: &module,
+                entry_point: Some("main"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
+        device.check()?;
+        let program = Arc::new(ComputeProgram { shader, pipeline });
+        self.compute
+            .borrow_mut()
+            .insert(name.to_owned(), Arc::clone(&program));
+        Ok(program)
+    }
+
+    /// The raster pipeline of permutation `name`, built if this is its first use.
+    pub fn raster(
+        &self,
+        device: &Device,
+        name: &str,
+        targets: &RasterTargets<'_>,
+    ) -> Result<Arc<RasterProgram>, RenderError> {
+        if let Some(program) = self.raster.borrow().get(name) {
+            return Ok(Arc::clone(program));
+        }
+        let shader = find(name)?;
+        let module = module(device, shader);
+        let colors: Vec<_> = targets
+            .colors
+            .iter()
+            .map(|format| Some((*format).into()))
+            .collect();
+        let has_fragment = shader.has(Stage::Fragment);
+        let pipeline = device
+            .device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(name),
+                layout: None,
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("vertex"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    buffers: &[Some(crate::gpu_scene::VERTEX_LAYOUT)],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: wgpu::TextureFormat::Depth32Float,
+                    depth_write_enabled: Some(true),
+                    // Reversed depth: 1 is near.
+                    depth_compare: Some(wgpu::CompareFunction::Greater),
+                    stencil: wgpu::StencilState::default(),
+                    bias: targets.depth_bias,
+                }),
+                multisample: wgpu::MultisampleState::default(),
+                fragment: has_fragment.then(|| wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some("fragment"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    targets: &colors,
+                }),
+                multiview_mask: None,
+                cache: None,
+            });
+        device.check()?;
+        let program = Arc::new(RasterProgram { shader, pipeline });
+        self.raster
+            .borrow_mut()
+            .insert(name.to_owned(), Arc::clone(&program));
+        Ok(program)
+    }
+}
+
+impl ComputeProgram {
+    /// Bind groups with the resources the shader names.
+    pub fn bind(&self, device: &Device, bindings: &Bindings<'_>) -> Result<Groups, RenderError> {
+        bind(device, self.shader, bindings, |group| {
+            self.pipeline.get_bind_group_layout(group)
+        })
+    }
+
+    /// Makes a pass use this pipeline with `groups`.
+    pub fn set(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
+        pass.set_pipeline(&self.pipeline);
+        for (index, group) in groups {
+            pass.set_bind_group(*index, group, &[]);
+        }
+    }
+
+    /// Workgroups that cover `width` × `height` invocations.
+    pub fn workgroups(&self, width: u32, height: u32) -> [u32; 2] {
+        let [x, y, _] = self.shader.workgroup_size();
+        [width.div_ceil(x), height.div_ceil(y)]
+    }
+}
+
+impl RasterProgram {
+    /// Bind groups with the resources the shader names.
+    pub fn bind(&self, device: &Device, bindings: &Bindings<'_>) -> Result<Groups, RenderError> {
+        bind(device, self.shader, bindings, |group| {
+            self.pipeline.get_bind_group_layout(group)
+        })
+    }
+
+    /// Makes a pass use this pipeline with `groups`.
+    pub fn set(&self, pass: &mut wgpu::RenderPass<'_>, groups: &Groups) {
+        pass.set_pipeline(&self.pipeline);
+        for (index, group) in groups {
+            pass.set_bind_group(*index, group, &[]);
+        }
+    }
+}
+
+fn find(name: &str) -> Result<&'static Shader, RenderError> {
+    tyndall_shaders::shader(name).ok_or_else(|| RenderError::Shader {
+        shader: name.to_owned(),
+        what: "not listed in permutations.txt".into(),
+    })
+}
+
+fn module(device: &Device, shader: &Shader) -> wgpu::ShaderModule {
+    device
+        .device
+        .create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(shader.name),
+            source: wgpu::ShaderSource::Wgsl(shader.wgsl.into()),
+        })
+}
+
+fn bind(
+    device: &Device,
+    shader: &Shader,
+    bindings: &Bindings<'_>,
+    layout: impl Fn(u32) -> wgpu::BindGroupLayout,
+) -> Result<Groups, RenderError> {
+    let mut groups = Groups::new();
+    for binding in shader.bindings {
+        if groups.iter().any(|(group, _)| *group == binding.group) {
+            continue;
+        }
+        let mut entries = Vec::new();
+        for member in shader.bindings.iter().filter(|b| b.group == binding.group) {
+            let resource = bindings
+                .find(member.name)
+                .ok_or_else(|| RenderError::Shader {
+                    shader: shader.name.to_owned(),
+                    what: format!("nothing is bound to {}", member.name),
+                })?;
+            entries.push(wgpu::BindGroupEntry {
+                binding: member.binding,
+                resource,
+            });
+        }
+        groups.push((
+            binding.group,
+            device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(shader.name),
+                layout: &layout(binding.group),
+                entries: &entries,
+            }),
+        ));
+    }
+    Ok(groups)
+}

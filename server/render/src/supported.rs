@@ -1,0 +1,55 @@
+//! What a scene may ask for that is not rendered yet: refused by name, never ignored.
+
+use tyndall_scene::Scene;
+use tyndall_scene::{MediumShape, ShadowMode, StopRule, Technique};
+
+/// The fields of a scene that are valid but not rendered yet.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("not rendered yet: {}", fields.join("; "))]
+pub struct NotRenderedYet {
+    /// JSON paths with a remark each.
+    pub fields: Vec<String>,
+}
+
+/// Refuses what no pass renders.
+pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
+    let mut fields: Vec<String> = scene
+        .keyframes
+        .iter()
+        .map(|path| format!("{path}: animation"))
+        .collect();
+    let technique = match scene.render.technique {
+        Technique::Auto | Technique::SingleScattering => None,
+        Technique::InstantVpl => Some("instant_vpl"),
+        Technique::PrincipalOrdinates => Some("principal_ordinates"),
+        Technique::ScreenSpace => Some("screen_space"),
+        Technique::Reference => Some("reference"),
+    };
+    if let Some(name) = technique {
+        fields.push(format!("render.technique: {name}"));
+    }
+    if matches!(scene.render.stop, StopRule::RelativeError(_)) {
+        fields.push("render.relative_error: needs the reference's variance".into());
+    }
+    if scene.environment.is_some() {
+        fields.push("lights: kind environment".into());
+    }
+    for (i, medium) in scene.media.iter().enumerate() {
+        if matches!(medium.shape, MediumShape::Grid { .. }) {
+            fields.push(format!("media[{i}]: kind grid"));
+        }
+    }
+    let masked = scene
+        .geometry
+        .materials
+        .iter()
+        .any(|m| m.alpha_cutoff.is_some());
+    if masked && scene.render.shadows.mode == ShadowMode::Traced {
+        fields.push("render.shadows.mode: traced, with alpha-masked materials".into());
+    }
+    if fields.is_empty() {
+        Ok(())
+    } else {
+        Err(NotRenderedYet { fields })
+    }
+}

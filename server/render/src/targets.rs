@@ -1,0 +1,103 @@
+//! Textures and buffers of one view at one size.
+
+use crate::device::Device;
+use crate::error::RenderError;
+
+/// Formats of the G-buffer's colour targets, in the order of `techniques/surfaces/gbuffer.wesl`.
+pub(crate) const GBUFFER_FORMATS: [wgpu::TextureFormat; 3] = [wgpu::TextureFormat::Rgba16Float; 3];
+
+/// Everything whose size follows the picture's.
+#[derive(Debug)]
+pub(crate) struct Targets {
+    pub width: u32,
+    pub height: u32,
+    pub depth: wgpu::TextureView,
+    pub base_color: wgpu::TextureView,
+    pub normal: wgpu::TextureView,
+    /// Present when the plan has an emission target.
+    pub emission: Option<wgpu::TextureView>,
+    pub surface_radiance: wgpu::TextureView,
+    /// Present when the plan marches.
+    pub in_scattered_radiance: Option<wgpu::TextureView>,
+    /// Four f32 a pixel.
+    pub film: wgpu::Buffer,
+    /// One RGBA8 word a pixel.
+    pub displayed: wgpu::Buffer,
+}
+
+/// Which optional targets a plan uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct TargetNeeds {
+    pub emission: bool,
+    pub in_scatter: bool,
+}
+
+impl Targets {
+    /// Allocates for `width` × `height` pixels.
+    pub fn new(
+        device: &Device,
+        width: u32,
+        height: u32,
+        needs: TargetNeeds,
+    ) -> Result<Self, RenderError> {
+        let limits = device.device.limits();
+        let max_side = limits.max_texture_dimension_2d;
+        let max_pixels = limits.max_storage_buffer_binding_size / 16;
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels == 0 || pixels > max_pixels || width.max(height) > max_side {
+            return Err(RenderError::Size {
+                width,
+                height,
+                max_pixels,
+                max_side,
+            });
+        }
+        let texture = |label: &str, format: wgpu::TextureFormat, usage: wgpu::TextureUsages| {
+            device
+                .device
+                .create_texture(&wgpu::TextureDescriptor {
+                    label: Some(label),
+                    size: wgpu::Extent3d {
+                        width,
+                        height,
+                        depth_or_array_layers: 1,
+                    },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format,
+                    usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
+                    view_formats: &[],
+                })
+                .create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let stored = wgpu::TextureUsages::STORAGE_BINDING;
+        let buffer = |label: &str, bytes_per_pixel: u64| {
+            device.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: pixels * bytes_per_pixel,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            })
+        };
+        let [color_format, normal_format, emission_format] = GBUFFER_FORMATS;
+        let radiance = wgpu::TextureFormat::Rgba32Float;
+        Ok(Self {
+            width,
+            height,
+            depth: texture("gbuffer.depth", wgpu::TextureFormat::Depth32Float, drawn),
+            base_color: texture("gbuffer.base_color", color_format, drawn),
+            normal: texture("gbuffer.normal", normal_format, drawn),
+            emission: needs
+                .emission
+                .then(|| texture("gbuffer.emission", emission_format, drawn)),
+            surface_radiance: texture("surface_radiance", radiance, stored),
+            in_scattered_radiance: needs
+                .in_scatter
+                .then(|| texture("in_scattered_radiance", radiance, stored)),
+            film: buffer("film", 16),
+            displayed: buffer("displayed", 4),
+        })
+    }
+}

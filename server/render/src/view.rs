@@ -1,0 +1,218 @@
+//! One picture being made: a scene, its state on the device, its running mean and its readback ring.
+
+use std::sync::Arc;
+
+use tyndall_scene::{Scene, SceneFacts, ShadowMode};
+
+use crate::device::Device;
+use crate::error::RenderError;
+use crate::gpu_scene::{GpuGeometry, Inputs};
+use crate::image::{Change, Image};
+use crate::plan::{FramePlan, PassKind, PlanLimits, plan};
+use crate::programs::Bindings;
+use crate::readback::{FinishedFrame, ReadbackRing};
+use crate::targets::{TargetNeeds, Targets};
+use crate::techniques::shadow_maps::ShadowMaps;
+use crate::timing::Timing;
+
+/// A picture being made. Created and driven by a [`Renderer`](crate::Renderer).
+#[derive(Debug)]
+pub struct View {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) facts: SceneFacts,
+    pub(crate) plan: FramePlan,
+    pub(crate) geometry: Arc<GpuGeometry>,
+    pub(crate) targets: Targets,
+    pub(crate) inputs: Inputs,
+    pub(crate) shadows: ShadowMaps,
+    pub(crate) image: Image,
+    pub(crate) ring: ReadbackRing,
+    pub(crate) timing: Timing,
+    /// Whether lights, media, instances and shadow transforms must be uploaded again.
+    pub(crate) stale: bool,
+    limits: PlanLimits,
+}
+
+/// What the passes of a frame use of a view.
+pub(crate) struct ViewParts<'a> {
+    pub geometry: &'a GpuGeometry,
+    pub targets: &'a Targets,
+    pub inputs: &'a Inputs,
+    pub shadows: &'a mut ShadowMaps,
+}
+
+impl ViewParts<'_> {
+    /// Every resource by its name in the shaders; each pass takes those it declares.
+    pub fn bind<'a>(&'a self, bindings: &mut Bindings<'a>) {
+        let (inputs, targets) = (self.inputs, self.targets);
+        bindings
+            .buffer("frame", &inputs.frame)
+            .buffer("instances", &inputs.instances)
+            .buffer("lights", &inputs.lights)
+            .buffer("media", &inputs.media)
+            .buffer("statistics", &inputs.statistics)
+            .buffer("film", &targets.film)
+            .buffer("displayed", &targets.displayed)
+            .texture("gbuffer_depth", &targets.depth)
+            .texture("gbuffer_base_color", &targets.base_color)
+            .texture("gbuffer_normal", &targets.normal)
+            .texture("surface_radiance", &targets.surface_radiance);
+        if let Some(emission) = &targets.emission {
+            bindings.texture("gbuffer_emission", emission);
+        }
+        if let Some(radiance) = &targets.in_scattered_radiance {
+            bindings.texture("in_scattered_radiance", radiance);
+        }
+        self.geometry.bind(bindings);
+        self.shadows.bind(bindings);
+    }
+}
+
+impl View {
+    pub(crate) fn new(
+        device: &Device,
+        scene: Arc<Scene>,
+        geometry: Arc<GpuGeometry>,
+        (width, height): (u32, u32),
+        limits: PlanLimits,
+    ) -> Result<Self, RenderError> {
+        let facts = tyndall_scene::facts(&scene);
+        let plan = plan(&facts, &scene.render, &limits);
+        let mut view = Self {
+            targets: Targets::new(device, width, height, needs(&plan))?,
+            inputs: Inputs::new(device, &scene),
+            shadows: ShadowMaps::new(device),
+            image: Image::new(),
+            ring: ReadbackRing::new(device, width, height),
+            timing: Timing::new(device),
+            stale: true,
+            scene,
+            facts,
+            plan,
+            geometry,
+            limits,
+        };
+        view.refit(device)?;
+        Ok(view)
+    }
+
+    /// Takes a new state of the scene; `geometry` is its geometry on the device.
+    pub(crate) fn update(
+        &mut self,
+        device: &Device,
+        scene: Arc<Scene>,
+        geometry: Arc<GpuGeometry>,
+    ) -> Result<(), RenderError> {
+        let change = Change::between(&self.scene, &scene);
+        let facts = tyndall_scene::facts(&scene);
+        let plan = plan(&facts, &scene.render, &self.limits);
+        if change.geometry || needs(&plan) != needs(&self.plan) {
+            let (width, height) = (self.targets.width, self.targets.height);
+            self.targets = Targets::new(device, width, height, needs(&plan))?;
+        }
+        if change.geometry || !self.inputs.fits(&scene) {
+            self.inputs = Inputs::new(device, &scene);
+        }
+        if change.geometry {
+            self.shadows.invalidate();
+        }
+        self.scene = scene;
+        self.facts = facts;
+        self.plan = plan;
+        self.geometry = geometry;
+        self.stale |= change.geometry || change.radiance;
+        self.image.apply(change);
+        self.refit(device)
+    }
+
+    pub(crate) fn resize(
+        &mut self,
+        device: &Device,
+        width: u32,
+        height: u32,
+    ) -> Result<(), RenderError> {
+        if (width, height) == (self.targets.width, self.targets.height) {
+            return Ok(());
+        }
+        self.targets = Targets::new(device, width, height, needs(&self.plan))?;
+        self.ring = ReadbackRing::new(device, width, height);
+        self.image.restart();
+        Ok(())
+    }
+
+    /// Brings what the plan needs up to the scene's state.
+    fn refit(&mut self, device: &Device) -> Result<(), RenderError> {
+        if self.plan.runs(PassKind::Bvh) {
+            self.geometry.need_bvh(device)?;
+        }
+        let mapped = self.plan.runs(PassKind::ShadowMaps);
+        let casters = self.facts.surface_bounds.filter(|_| mapped);
+        let resolution = self.scene.render.shadows.resolution;
+        self.shadows
+            .update(device, &self.scene.lights, casters, resolution)
+    }
+
+    pub(crate) fn limits(&self) -> PlanLimits {
+        self.limits
+    }
+
+    /// Why each pass runs or doesn't.
+    pub fn plan(&self) -> &FramePlan {
+        &self.plan
+    }
+
+    /// The facts the plan follows from.
+    pub fn facts(&self) -> &SceneFacts {
+        &self.facts
+    }
+
+    /// The scene's present state.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// Width and height. Unit: pixel.
+    pub fn size(&self) -> (u32, u32) {
+        (self.targets.width, self.targets.height)
+    }
+
+    /// Samples in the running mean, those in flight included.
+    pub fn samples(&self) -> u32 {
+        self.image.samples()
+    }
+
+    /// Whether the stop rule is met: nothing is rendered until something changes.
+    pub fn is_converged(&self) -> bool {
+        self.image.is_finished(self.scene.render.stop)
+    }
+
+    /// Frames submitted and not yet taken.
+    pub fn in_flight(&self) -> usize {
+        self.ring.in_flight()
+    }
+
+    /// The oldest finished frame, if one has arrived; call [`Renderer::poll`](crate::Renderer::poll) first.
+    pub fn take_finished(&mut self) -> Option<FinishedFrame> {
+        self.ring.take(&self.timing)
+    }
+
+    /// How visibility toward lights is found at present.
+    pub fn shadow_mode(&self) -> ShadowMode {
+        if self.plan.runs(PassKind::ShadowMaps) {
+            ShadowMode::Mapped
+        } else if self.plan.runs(PassKind::Bvh) {
+            ShadowMode::Traced
+        } else {
+            ShadowMode::Off
+        }
+    }
+}
+
+fn needs(plan: &FramePlan) -> TargetNeeds {
+    TargetNeeds {
+        emission: plan
+            .variant(PassKind::Shade)
+            .is_some_and(|variant| variant.contains("+emissive")),
+        in_scatter: plan.runs(PassKind::SingleScattering),
+    }
+}

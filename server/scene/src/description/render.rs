@@ -1,0 +1,144 @@
+//! How to render: technique, size, when to stop.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use ts_rs::TS;
+
+use crate::scene;
+
+/// How to render.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(deny_unknown_fields, default)]
+#[ts(optional_fields)]
+pub struct RenderDescription {
+    /// What transports the light.
+    pub technique: Technique,
+    /// Unit: pixel. Range: 1 to 16384.
+    pub width: u32,
+    /// Unit: pixel. Range: 1 to 16384.
+    pub height: u32,
+    /// Finished after so many samples a pixel. Range: 1 to 65536. 64 if no rule is given; at most
+    /// one of `samples`, `time_seconds` and `relative_error`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<u32>,
+    /// Finished after so many seconds of rendering. Unit: s. Range: 0.001 to 1e6.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_seconds: Option<f64>,
+    /// Finished when the estimated relative error falls below this. Range: 1e−5 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relative_error: Option<f64>,
+    /// Seed of every random number. Range: 0 to 2⁵³ − 1, which every JSON reader keeps exactly.
+    #[ts(type = "number")]
+    pub seed: u64,
+    /// Settings of the `single_scattering` march.
+    pub single_scattering: SingleScattering,
+    /// How visibility toward lights is found.
+    pub shadows: Shadows,
+}
+
+/// Settings of the ray march.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(deny_unknown_fields, default)]
+pub struct SingleScattering {
+    /// Strata a ray, each sampled once. Range: 1 to 4096.
+    pub steps: u32,
+    /// Random position inside each stratum; otherwise its midpoint.
+    pub jitter: bool,
+}
+
+/// How visibility toward lights is found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(deny_unknown_fields, default)]
+pub struct Shadows {
+    /// Method.
+    pub mode: ShadowMode,
+    /// Side of a shadow map. Unit: texel. Range: 16 to 8192.
+    pub resolution: u32,
+}
+
+/// What transports the light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(rename_all = "snake_case")]
+pub enum Technique {
+    /// The planner picks.
+    Auto,
+    /// Surfaces direct and exactly one scattering in the medium.
+    SingleScattering,
+    /// Virtual point lights on surfaces and in the medium.
+    InstantVpl,
+    /// Propagation grids aligned with light directions.
+    PrincipalOrdinates,
+    /// Filtering of scattered radiance in the picture.
+    ScreenSpace,
+    /// The unbiased path tracer.
+    Reference,
+}
+
+/// Method of visibility.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(rename_all = "snake_case")]
+pub enum ShadowMode {
+    /// Every light sees everything.
+    Off,
+    /// Rasterized depth maps.
+    Mapped,
+    /// Rays through the geometry: exact, slower.
+    Traced,
+}
+
+impl Default for RenderDescription {
+    fn default() -> Self {
+        Self {
+            technique: Technique::SingleScattering,
+            width: 1280,
+            height: 720,
+            samples: None,
+            time_seconds: None,
+            relative_error: None,
+            seed: 0,
+            single_scattering: SingleScattering::default(),
+            shadows: Shadows::default(),
+        }
+    }
+}
+
+impl Default for SingleScattering {
+    fn default() -> Self {
+        Self {
+            steps: 32,
+            jitter: true,
+        }
+    }
+}
+
+impl Default for Shadows {
+    fn default() -> Self {
+        Self {
+            mode: ShadowMode::Mapped,
+            resolution: 1024,
+        }
+    }
+}
+
+impl From<Technique> for scene::Technique {
+    fn from(technique: Technique) -> Self {
+        match technique {
+            Technique::Auto => Self::Auto,
+            Technique::SingleScattering => Self::SingleScattering,
+            Technique::InstantVpl => Self::InstantVpl,
+            Technique::PrincipalOrdinates => Self::PrincipalOrdinates,
+            Technique::ScreenSpace => Self::ScreenSpace,
+            Technique::Reference => Self::Reference,
+        }
+    }
+}
+
+impl From<ShadowMode> for scene::ShadowMode {
+    fn from(mode: ShadowMode) -> Self {
+        match mode {
+            ShadowMode::Off => Self::Off,
+            ShadowMode::Mapped => Self::Mapped,
+            ShadowMode::Traced => Self::Traced,
+        }
+    }
+}

@@ -1,0 +1,307 @@
+//! What the planner needs to know about a scene, computed once per change on the CPU.
+
+use std::collections::BTreeSet;
+
+use glam::{BVec3, DVec3, Vec3};
+
+use crate::scene::{Aabb, Camera, Geometry, Instance, Light, Medium, MediumShape, Scene};
+
+/// Numbers and yes/no facts that decide which passes a scene needs.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "independent facts, not the states of a machine"
+)]
+pub struct SceneFacts {
+    /// Triangles over all instances.
+    pub triangles: u64,
+    /// Placed meshes.
+    pub instances: usize,
+    /// Textures some material uses.
+    pub textures: usize,
+    /// Instances whose material has an alpha cutoff.
+    pub alpha_masked_instances: usize,
+    /// Triangles that emit light, over all instances.
+    pub emissive_triangles: u64,
+    /// Point lights with non-zero intensity.
+    pub point_lights: usize,
+    /// Spot lights with non-zero intensity.
+    pub spot_lights: usize,
+    /// Directional lights with non-zero irradiance.
+    pub directional_lights: usize,
+    /// Whether radiance arrives from infinity.
+    pub environment: bool,
+    /// Media with a non-zero coefficient.
+    pub media: usize,
+    /// Whether some medium has `σ_s` > 0.
+    pub scatters: bool,
+    /// Whether some medium emits.
+    pub medium_emits: bool,
+    /// Whether some scattering medium has g ≠ 0.
+    pub anisotropic: bool,
+    /// Largest |g| of a scattering medium; 0 without one.
+    pub max_abs_g: f32,
+    /// Largest `σ_s/σ_t` over media and channels; 0 without a medium.
+    pub max_albedo: f32,
+    /// Optical depth across the diagonal of `bounds`, through the sum of all media, of the
+    /// densest channel; an upper estimate for the planner.
+    pub optical_thickness: f64,
+    /// Box around all triangles, positioned lights and bounded media. Unit: m.
+    #[serde(skip)]
+    pub bounds: Aabb,
+    /// Box around all triangles only; `None` without triangles. Unit: m.
+    #[serde(skip)]
+    pub surface_bounds: Option<Aabb>,
+}
+
+/// Computes the facts of a scene. Cost: one pass over vertices and instances, not over triangles.
+pub fn facts(scene: &Scene) -> SceneFacts {
+    let geometry = &scene.geometry;
+    let surface_bounds = surface_bounds(geometry);
+    let bounds = bounds(scene, surface_bounds);
+    let triangles = |instance: &Instance| (geometry.meshes[instance.mesh].indices.len() / 3) as u64;
+    let material =
+        |instance: &Instance| &geometry.materials[geometry.meshes[instance.mesh].material];
+    let emits = |instance: &Instance| material(instance).emission != [0.0; 3];
+    let lit = |wanted: fn(&Light) -> Option<[f32; 3]>| {
+        let powers = scene.lights.iter().filter_map(wanted);
+        powers.filter(|power| *power != [0.0; 3]).count()
+    };
+    let media: Vec<&Medium> = scene.media.iter().filter(|m| !is_vacuum(m)).collect();
+    let scattering = || media.iter().filter(|m| m.sigma_s != [0.0; 3]);
+    SceneFacts {
+        triangles: geometry.instances.iter().map(triangles).sum(),
+        instances: geometry.instances.len(),
+        textures: used_textures(geometry).len(),
+        alpha_masked_instances: geometry
+            .instances
+            .iter()
+            .filter(|instance| material(instance).alpha_cutoff.is_some())
+            .count(),
+        emissive_triangles: geometry
+            .instances
+            .iter()
+            .filter(|instance| emits(instance))
+            .map(triangles)
+            .sum(),
+        point_lights: lit(|light| match light {
+            Light::Point(light) => Some(light.intensity),
+            _ => None,
+        }),
+        spot_lights: lit(|light| match light {
+            Light::Spot(light) => Some(light.intensity),
+            _ => None,
+        }),
+        directional_lights: lit(|light| match light {
+            Light::Directional(light) => Some(light.irradiance),
+            _ => None,
+        }),
+        environment: scene
+            .environment
+            .as_ref()
+            .is_some_and(|environment| environment.radiance != [0.0; 3]),
+        media: media.len(),
+        scatters: scattering().next().is_some(),
+        medium_emits: media.iter().any(|m| m.emission != [0.0; 3]),
+        anisotropic: scattering().any(|m| m.g != 0.0),
+        max_abs_g: scattering().map(|m| m.g.abs()).fold(0.0, f32::max),
+        max_albedo: media.iter().map(|m| albedo(m)).fold(0.0, f32::max),
+        optical_thickness: optical_thickness(&media, &bounds),
+        bounds,
+        surface_bounds,
+    }
+}
+
+/// Whether a medium does nothing.
+fn is_vacuum(medium: &Medium) -> bool {
+    [medium.sigma_s, medium.sigma_a, medium.emission] == [[0.0; 3]; 3]
+}
+
+/// Largest `σ_s/σ_t` over the channels.
+fn albedo(medium: &Medium) -> f32 {
+    let channels = medium.sigma_s.iter().zip(&medium.sigma_a);
+    channels
+        .map(|(s, a)| if s + a > 0.0 { s / (s + a) } else { 0.0 })
+        .fold(0.0, f32::max)
+}
+
+/// Textures of materials that some instance shows.
+fn used_textures(geometry: &Geometry) -> BTreeSet<usize> {
+    let materials: BTreeSet<usize> = geometry
+        .instances
+        .iter()
+        .map(|instance| geometry.meshes[instance.mesh].material)
+        .collect();
+    materials
+        .into_iter()
+        .flat_map(|index| {
+            let material = &geometry.materials[index];
+            [
+                material.base_color_texture,
+                material.emission_texture,
+                material.metallic_roughness_texture,
+                material.normal_texture,
+            ]
+        })
+        .flatten()
+        .map(|texture| texture.texture)
+        .collect()
+}
+
+/// Optical depth across the diagonal of `bounds`, of the densest channel.
+fn optical_thickness(media: &[&Medium], bounds: &Aabb) -> f64 {
+    let mut depth = [0.0; 3];
+    for medium in media {
+        let length = path_length(&medium.shape, bounds);
+        for (channel, depth) in depth.iter_mut().enumerate() {
+            let sigma_t = f64::from(medium.sigma_s[channel]) + f64::from(medium.sigma_a[channel]);
+            *depth += sigma_t * length;
+        }
+    }
+    depth.into_iter().fold(0.0, f64::max)
+}
+
+/// Length of the diagonal through a medium, weighted by its relative density. Unit: m.
+fn path_length(shape: &MediumShape, bounds: &Aabb) -> f64 {
+    match shape {
+        MediumShape::Homogeneous { bounds: own } => {
+            intersection(bounds, own.as_ref()).map_or(0.0, |inside| diagonal(&inside))
+        }
+        MediumShape::HeightFog {
+            up,
+            falloff,
+            origin,
+            bounds: own,
+        } => intersection(bounds, own.as_ref()).map_or(0.0, |inside| {
+            // The diagonal that climbs along `up`: its density is e^(−k·h) from the lowest to the
+            // highest corner, whose mean is e^(−k·low) · em1(k·rise)/(k·rise).
+            let up = up.as_dvec3();
+            let ends = up.cmplt(DVec3::ZERO);
+            let low = DVec3::select(ends, inside.max, inside.min);
+            let high = DVec3::select(ends, inside.min, inside.max);
+            let falloff = f64::from(*falloff);
+            let rise = falloff * (high - low).dot(up);
+            let mean = if rise > 1e-6 {
+                -(-rise).exp_m1() / rise
+            } else {
+                1.0
+            };
+            let lowest = (-falloff * (low - *origin).dot(up)).min(HIGHEST_EXPONENT);
+            diagonal(&inside) * lowest.exp() * mean
+        }),
+        // The integral of 1 − r²/R² over a diameter.
+        MediumShape::Sphere { radius, .. } => 4.0 / 3.0 * radius,
+        // Not read yet: the density is at most 1.
+        MediumShape::Grid { .. } => diagonal(bounds),
+    }
+}
+
+/// Keeps the planner's estimate finite below unbounded fog.
+const HIGHEST_EXPONENT: f64 = 80.0;
+
+fn diagonal(bounds: &Aabb) -> f64 {
+    (bounds.max - bounds.min).length()
+}
+
+/// Where both are; all of `a` if `b` fills space.
+fn intersection(a: &Aabb, b: Option<&Aabb>) -> Option<Aabb> {
+    let Some(b) = b else { return Some(*a) };
+    let (min, max) = (a.min.max(b.min), a.max.min(b.max));
+    min.cmplt(max).all().then_some(Aabb { min, max })
+}
+
+/// Box around all placed meshes; transformed boxes, so a little too large for rotated ones.
+fn surface_bounds(geometry: &Geometry) -> Option<Aabb> {
+    let boxes: Vec<Option<(DVec3, DVec3)>> = geometry
+        .meshes
+        .iter()
+        .map(|mesh| {
+            let positions = mesh.positions.iter().map(|p| Vec3::from_array(*p));
+            let first = positions.clone().next()?;
+            let (min, max) =
+                positions.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+            Some((min.as_dvec3(), max.as_dvec3()))
+        })
+        .collect();
+    let mut hull = Hull::default();
+    for instance in &geometry.instances {
+        if let Some((min, max)) = boxes[instance.mesh] {
+            for corner in 0..8 {
+                let high = BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0);
+                let corner = DVec3::select(high, max, min);
+                hull.add(instance.world_from_object.transform_point3(corner));
+            }
+        }
+    }
+    hull.padded()
+}
+
+/// Box around surfaces, positioned lights and bounded media; around the camera without any.
+fn bounds(scene: &Scene, surface_bounds: Option<Aabb>) -> Aabb {
+    let mut hull = Hull::default();
+    if let Some(Aabb { min, max }) = surface_bounds {
+        hull.add(min);
+        hull.add(max);
+    }
+    for light in &scene.lights {
+        match light {
+            Light::Point(light) => hull.add(light.position),
+            Light::Spot(light) => hull.add(light.position),
+            Light::Directional(_) => {}
+        }
+    }
+    for medium in &scene.media {
+        match &medium.shape {
+            MediumShape::Homogeneous {
+                bounds: Some(bounds),
+            }
+            | MediumShape::HeightFog {
+                bounds: Some(bounds),
+                ..
+            } => {
+                hull.add(bounds.min);
+                hull.add(bounds.max);
+            }
+            MediumShape::Sphere { center, radius } => {
+                hull.add(*center - *radius);
+                hull.add(*center + *radius);
+            }
+            MediumShape::Homogeneous { bounds: None }
+            | MediumShape::HeightFog { bounds: None, .. }
+            | MediumShape::Grid { .. } => {}
+        }
+    }
+    hull.padded().unwrap_or_else(|| {
+        let Camera {
+            position, target, ..
+        } = scene.camera;
+        Aabb {
+            min: position.min(target) - 1.0,
+            max: position.max(target) + 1.0,
+        }
+    })
+}
+
+/// A box that grows.
+#[derive(Default)]
+struct Hull(Option<(DVec3, DVec3)>);
+
+impl Hull {
+    fn add(&mut self, point: DVec3) {
+        let (min, max) = self.0.unwrap_or((point, point));
+        self.0 = Some((min.min(point), max.max(point)));
+    }
+
+    /// The box, thickened where it is flat so that `min < max` holds.
+    fn padded(self) -> Option<Aabb> {
+        let (mut min, mut max) = self.0?;
+        let least = 1e-3 + 1e-6 * (max - min).max_element();
+        for axis in 0..3 {
+            if max[axis] - min[axis] < least {
+                min[axis] -= 0.5 * least;
+                max[axis] += 0.5 * least;
+            }
+        }
+        Some(Aabb { min, max })
+    }
+}

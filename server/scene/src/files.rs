@@ -1,0 +1,163 @@
+//! Files of a scene: nothing outside the scene's folder is ever opened.
+
+use std::cell::Cell;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use crate::error::SceneError;
+use crate::limits::Limits;
+
+/// Checks that `file` is a plain relative path that can't leave the folder it is relative to.
+///
+/// # Errors
+/// [`SceneError::Invalid`] at `path` that says why.
+pub(crate) fn check_relative(path: &str, file: &str) -> Result<(), SceneError> {
+    match why_not_relative(file) {
+        None => Ok(()),
+        Some(why) => Err(SceneError::invalid(
+            path,
+            format!("\"{}\", {why}", crate::description::parse::abbreviate(file)),
+            "a relative path inside the scene's folder",
+        )),
+    }
+}
+
+/// Why `file` is no plain relative path, if so.
+pub(crate) fn why_not_relative(file: &str) -> Option<&'static str> {
+    if file.is_empty() {
+        return Some("which is empty");
+    }
+    if file.chars().any(char::is_control) {
+        return Some("which has a control character");
+    }
+    if file.starts_with('/') || file.starts_with('\\') {
+        return Some("which is absolute");
+    }
+    // A colon starts a URI scheme, a drive or an alternate stream; a backslash hides separators.
+    if file.contains(':') {
+        return Some("which has a scheme or a drive");
+    }
+    if file.contains('\\') {
+        return Some("which has a backslash");
+    }
+    if file.split('/').any(|part| part == "..") {
+        return Some("which leaves the folder by '..'");
+    }
+    None
+}
+
+/// The folder that all files of a scene lie in, with a budget of bytes to read from it.
+pub(crate) struct Folder<'a> {
+    /// Canonical; `None` if the scene has no folder.
+    root: Option<PathBuf>,
+    limits: &'a Limits,
+    bytes_read: Cell<u64>,
+}
+
+impl<'a> Folder<'a> {
+    /// Opens a scene's folder, or stands for none.
+    pub(crate) fn open(folder: Option<&Path>, limits: &'a Limits) -> Result<Self, SceneError> {
+        let root = folder.map(Path::canonicalize).transpose();
+        let root = root.map_err(|source| SceneError::Io {
+            path: String::new(),
+            file: folder.map_or_else(String::new, |folder| folder.display().to_string()),
+            source,
+        })?;
+        Ok(Self {
+            root,
+            limits,
+            bytes_read: Cell::new(0),
+        })
+    }
+
+    /// The real place of a file, checked to be a regular file below the folder.
+    pub(crate) fn locate(&self, path: &str, file: &str) -> Result<PathBuf, SceneError> {
+        check_relative(path, file)?;
+        let Some(root) = &self.root else {
+            return Err(SceneError::invalid(
+                path,
+                format!("the file \"{file}\" in a scene without a folder"),
+                "no files, as the scene was not loaded from one",
+            ));
+        };
+        let io = |source| SceneError::Io {
+            path: path.to_owned(),
+            file: file.to_owned(),
+            source,
+        };
+        let real = root.join(file).canonicalize().map_err(io)?;
+        if !real.starts_with(root) {
+            return Err(SceneError::invalid(
+                path,
+                format!("\"{file}\", a link that leaves the scene's folder"),
+                "a file inside the scene's folder",
+            ));
+        }
+        if !real.metadata().map_err(io)?.is_file() {
+            return Err(io(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "not a regular file",
+            )));
+        }
+        Ok(real)
+    }
+
+    /// Reads a whole file, if it is inside the folder and within the limits.
+    pub(crate) fn read(&self, path: &str, file: &str) -> Result<Vec<u8>, SceneError> {
+        let real = self.locate(path, file)?;
+        let bytes = read_limited(&real, self.limits.file_bytes).map_err(|error| match error {
+            ReadError::Io(source) => SceneError::Io {
+                path: path.to_owned(),
+                file: file.to_owned(),
+                source,
+            },
+            ReadError::TooLarge(found) => SceneError::Limit {
+                path: path.to_owned(),
+                what: "size of the file in bytes",
+                found,
+                limit: self.limits.file_bytes,
+            },
+        })?;
+        self.spend(path, bytes.len() as u64)?;
+        Ok(bytes)
+    }
+
+    /// Takes bytes from the budget of the whole scene.
+    pub(crate) fn spend(&self, path: &str, bytes: u64) -> Result<(), SceneError> {
+        let found = self.bytes_read.get().saturating_add(bytes);
+        if found > self.limits.total_bytes {
+            return Err(SceneError::Limit {
+                path: path.to_owned(),
+                what: "size of all files in bytes",
+                found,
+                limit: self.limits.total_bytes,
+            });
+        }
+        self.bytes_read.set(found);
+        Ok(())
+    }
+}
+
+/// Why a file was not read.
+pub(crate) enum ReadError {
+    Io(io::Error),
+    TooLarge(u64),
+}
+
+/// Reads a whole regular file of at most `limit` bytes.
+pub(crate) fn read_limited(file: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
+    let opened = File::open(file).map_err(ReadError::Io)?;
+    let length = opened.metadata().map_err(ReadError::Io)?.len();
+    if length > limit {
+        return Err(ReadError::TooLarge(length));
+    }
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+    // The file may grow while it is read.
+    let read = opened.take(limit + 1).read_to_end(&mut bytes);
+    let read = read.map_err(ReadError::Io)? as u64;
+    if read > limit {
+        return Err(ReadError::TooLarge(read));
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,144 @@
+//! glTF 2.0, `.gltf` and `.glb`.
+//!
+//! The `gltf` crate reads the JSON only. Its own validation and its accessors index without
+//! asking, so every index, offset, stride and count is checked here before it is used.
+
+mod accessor;
+mod buffers;
+mod container;
+mod lights;
+mod materials;
+mod nodes;
+mod primitives;
+mod uri;
+
+use gltf::json::Root;
+
+use super::Importer;
+use super::transform::affine;
+use crate::description::geometry::GltfGeometry;
+use crate::error::SceneError;
+use buffers::Buffers;
+
+/// Required extensions that are honoured. Quantization needs no code beyond accessors that read
+/// integers.
+const KNOWN: &[&str] = &[
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// Imports the file of entry `index` of `geometry`.
+pub(super) fn import(
+    importer: &mut Importer,
+    index: usize,
+    entry: &GltfGeometry,
+) -> Result<(), SceneError> {
+    let file = File {
+        path: format!("geometry[{index}].path"),
+        name: &entry.path,
+    };
+    let bytes = importer.folder.read(&file.path, file.name)?;
+    let container = container::read(&file, &bytes)?;
+    let root: Root = container.root;
+    required_extensions(&file, &root)?;
+    let buffers = Buffers::load(&file, &root, container.blob, importer)?;
+    let document = Document {
+        file: &file,
+        root: &root,
+        buffers: &buffers,
+    };
+    note_left_out(importer, &document);
+    let mut walk = nodes::Walk::new(&document, entry, index);
+    walk.run(importer, affine(entry.transform.as_ref()))
+}
+
+/// A file and the JSON path that names it.
+struct File<'a> {
+    path: String,
+    /// As the scene names it.
+    name: &'a str,
+}
+
+impl File<'_> {
+    /// The error of something wrong at a place in the file.
+    fn refused(&self, location: impl Into<String>, message: impl Into<String>) -> SceneError {
+        SceneError::Model {
+            path: self.path.clone(),
+            file: self.name.to_owned(),
+            location: location.into(),
+            message: message.into(),
+        }
+    }
+
+    /// The element at `index` of an array of the file.
+    fn element<'r, T>(
+        &self,
+        array: &'r [T],
+        name: &str,
+        index: usize,
+        location: &str,
+    ) -> Result<&'r T, SceneError> {
+        array.get(index).ok_or_else(|| {
+            let count = array.len();
+            self.refused(
+                location,
+                format!("{name}[{index}] does not exist, there are {count}"),
+            )
+        })
+    }
+}
+
+/// A file with its buffers.
+struct Document<'a> {
+    file: &'a File<'a>,
+    root: &'a Root,
+    buffers: &'a Buffers,
+}
+
+/// Refuses files that can't be understood without something unknown.
+fn required_extensions(file: &File, root: &Root) -> Result<(), SceneError> {
+    let unknown = root
+        .extensions_required
+        .iter()
+        .enumerate()
+        .find(|(_, name)| !KNOWN.contains(&name.as_str()));
+    match unknown {
+        None => Ok(()),
+        Some((i, name)) => {
+            let name = crate::description::parse::abbreviate(name);
+            Err(file.refused(
+                format!("extensionsRequired[{i}]"),
+                format!(
+                    "the file requires \"{name}\", which is not supported; supported are {}",
+                    KNOWN.join(", ")
+                ),
+            ))
+        }
+    }
+}
+
+/// Warns of what a still picture of the file leaves out.
+fn note_left_out(importer: &mut Importer, document: &Document) {
+    let name = document.file.name;
+    let root = document.root;
+    if !root.animations.is_empty() {
+        let count = root.animations.len();
+        importer.warn(format!("{name}: {count} animations left out"));
+    }
+    if !root.skins.is_empty() {
+        importer.warn(format!("{name}: skinned meshes are shown unposed"));
+    }
+    let morphs = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    if morphs.clone().any(|primitive| primitive.targets.is_some()) {
+        importer.warn(format!("{name}: morph targets left out"));
+    }
+    for extension in &root.extensions_used {
+        if !KNOWN.contains(&extension.as_str()) {
+            let extension = crate::description::parse::abbreviate(extension);
+            importer.warn(format!("{name}: extension \"{extension}\" left out"));
+        }
+    }
+}

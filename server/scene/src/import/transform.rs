@@ -1,0 +1,42 @@
+//! Placements as affine maps.
+
+use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
+
+use crate::description::Transform;
+
+/// Scale, then rotation about the fixed axes x, y, z in this order, then translation.
+pub(super) fn affine(transform: Option<&Transform>) -> DAffine3 {
+    let Some(transform) = transform else {
+        return DAffine3::IDENTITY;
+    };
+    let [x, y, z] = transform.rotation_degrees.map(f64::to_radians);
+    // Fixed axes x, y, z are the moving axes z, y, x.
+    let rotation = DQuat::from_euler(EulerRot::ZYX, z, y, x);
+    DAffine3::from_scale_rotation_translation(
+        DVec3::from_array(transform.scale.0),
+        rotation,
+        DVec3::from_array(transform.translation),
+    )
+}
+
+/// Whether a map is finite and its determinant is not lost in rounding.
+pub(super) fn is_invertible(map: &DAffine3) -> bool {
+    let linear = &map.matrix3;
+    let longest = [linear.x_axis, linear.y_axis, linear.z_axis]
+        .map(DVec3::length)
+        .into_iter()
+        .fold(0.0, f64::max);
+    let determinant = linear.determinant();
+    map.is_finite() && determinant.is_finite() && determinant.abs() > 1e-12 * longest.powi(3)
+}
+
+/// Maps normals: the cofactor matrix, which needs no inverse and keeps the outside outside.
+pub(super) fn normal_matrix(map: &DAffine3) -> DMat3 {
+    let DMat3 {
+        x_axis: x,
+        y_axis: y,
+        z_axis: z,
+    } = map.matrix3;
+    let sign = map.matrix3.determinant().signum();
+    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign
+}

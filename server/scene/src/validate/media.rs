@@ -1,0 +1,126 @@
+//! Rules of media.
+
+use super::rules;
+use crate::description::MediumDescription;
+use crate::description::media::Coefficients;
+use crate::error::SceneError;
+use crate::json_path::JsonPath;
+
+/// Largest coefficient. Unit: m⁻¹.
+const SIGMA: f64 = 1e6;
+/// Largest magnitude of g; beyond it the phase function is a spike that no sampler resolves.
+const G: f64 = 0.999;
+/// Largest density scale.
+const DENSITY: f64 = 1e6;
+/// Largest falloff. Unit: m⁻¹.
+const FALLOFF: f64 = 1e3;
+/// Largest exponent of height fog inside its bounds or at the camera; e⁶⁰ · σ stays finite.
+const EXPONENT: f64 = 60.0;
+/// Endings of density grids.
+const GRIDS: &[&str] = &["vdb", "nvdb", "vol", "npy", "npz", "raw"];
+
+pub(super) fn check(medium: &MediumDescription, path: &JsonPath) -> Result<(), SceneError> {
+    coefficients(&medium.coefficients(), path)?;
+    match medium {
+        MediumDescription::Homogeneous(medium) => match &medium.bounds {
+            Some(bounds) => rules::bounds(&path.field("bounds"), bounds),
+            None => Ok(()),
+        },
+        MediumDescription::HeightFog(medium) => {
+            rules::direction(&path.field("up"), &medium.up)?;
+            let falloff = path.field("falloff");
+            rules::range(&falloff, medium.falloff, 0.0, FALLOFF)?;
+            rules::position(&path.field("origin"), &medium.origin)?;
+            let Some(bounds) = &medium.bounds else {
+                return Ok(());
+            };
+            rules::bounds(&path.field("bounds"), bounds)?;
+            let exponent = highest_exponent(medium.up, medium.falloff, medium.origin, bounds);
+            if exponent > EXPONENT {
+                let most = medium.falloff * EXPONENT / exponent;
+                return Err(SceneError::invalid(
+                    falloff,
+                    format!(
+                        "{}, which makes the density e^{exponent:.0} at the lowest corner",
+                        rules::found(medium.falloff)
+                    ),
+                    format!(
+                        "at most {most:.4} in these bounds (density at most e^{EXPONENT}), or a \
+                         lower origin"
+                    ),
+                ));
+            }
+            Ok(())
+        }
+        MediumDescription::Sphere(medium) => {
+            rules::position(&path.field("center"), &medium.center)?;
+            rules::range(&path.field("radius"), medium.radius, 1e-6, 1e6)
+        }
+        MediumDescription::Grid(medium) => {
+            rules::file(&path.field("path"), &medium.path, GRIDS)?;
+            match &medium.transform {
+                Some(transform) => rules::transform(&path.field("transform"), transform),
+                None => Ok(()),
+            }
+        }
+    }
+}
+
+/// One of the two pairs, whole and in range.
+fn coefficients(medium: &Coefficients, path: &JsonPath) -> Result<(), SceneError> {
+    const EITHER: &str = "sigma_s and sigma_a, or sigma_t and albedo";
+    rules::optional_name(path, medium.name)?;
+    let given = [
+        ("sigma_s", medium.sigma_s, SIGMA),
+        ("sigma_a", medium.sigma_a, SIGMA),
+        ("sigma_t", medium.sigma_t, SIGMA),
+        ("albedo", medium.albedo, 1.0),
+    ];
+    match given.map(|(_, value, _)| value.is_some()) {
+        [true, true, false, false] | [false, false, true, true] => {}
+        [false, false, false, false] => {
+            return Err(SceneError::invalid(path, "no coefficients", EITHER));
+        }
+        _ => {
+            let mut names = Vec::new();
+            for (name, value, _) in &given {
+                if value.is_some() {
+                    names.push(*name);
+                }
+            }
+            return Err(SceneError::invalid(path, names.join(" and "), EITHER));
+        }
+    }
+    for (name, value, high) in &given {
+        if let Some(value) = value {
+            rules::rgb(&path.field(name), value, 0.0, *high)?;
+        }
+    }
+    rules::range(&path.field("g"), medium.g, -G, G)?;
+    rules::rgb(
+        &path.field("emission"),
+        &medium.emission,
+        0.0,
+        rules::RADIANCE,
+    )?;
+    let scale = path.field("density_scale");
+    rules::range(&scale, medium.density_scale, 0.0, DENSITY)
+}
+
+/// Exponent of the density at the corner of `bounds` where the fog is thickest.
+fn highest_exponent(
+    up: [f64; 3],
+    falloff: f64,
+    origin: [f64; 3],
+    bounds: &crate::description::Bounds,
+) -> f64 {
+    let up = glam::DVec3::from_array(up);
+    let up = up / up.length();
+    let lowest: f64 = (0..3)
+        .map(|i| {
+            let (low, high) = (bounds.min[i] - origin[i], bounds.max[i] - origin[i]);
+            (low * up[i]).min(high * up[i])
+        })
+        .sum();
+    -falloff * lowest
+}

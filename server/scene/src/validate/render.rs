@@ -1,0 +1,55 @@
+//! Rules of the render settings.
+
+use super::rules;
+use crate::description::RenderDescription;
+use crate::error::SceneError;
+use crate::json_path::JsonPath;
+
+/// Largest side of a picture. Unit: pixel.
+const SIDE: u64 = 16_384;
+/// Largest seed that every JSON reader keeps exactly.
+const SEED: u64 = (1 << 53) - 1;
+
+pub(super) fn check(render: &RenderDescription, path: &JsonPath) -> Result<(), SceneError> {
+    rules::whole(&path.field("width"), render.width.into(), 1, SIDE)?;
+    rules::whole(&path.field("height"), render.height.into(), 1, SIDE)?;
+    rules::whole(&path.field("seed"), render.seed, 0, SEED)?;
+
+    let rules_given = [
+        ("samples", render.samples.is_some()),
+        ("time_seconds", render.time_seconds.is_some()),
+        ("relative_error", render.relative_error.is_some()),
+    ];
+    let mut given = rules_given.iter().filter(|(_, given)| *given);
+    if let (Some((first, _)), Some((second, _))) = (given.next(), given.next()) {
+        return Err(SceneError::invalid(
+            path.field(second),
+            format!("{second} together with {first}"),
+            "at most one of samples, time_seconds and relative_error",
+        ));
+    }
+    if let Some(samples) = render.samples {
+        rules::whole(&path.field("samples"), samples.into(), 1, 65_536)?;
+    }
+    if let Some(seconds) = render.time_seconds {
+        rules::range(&path.field("time_seconds"), seconds, 1e-3, 1e6)?;
+    }
+    if let Some(error) = render.relative_error {
+        rules::range(&path.field("relative_error"), error, 1e-5, 1.0)?;
+    }
+
+    let steps = render.single_scattering.steps;
+    rules::whole(
+        &path.field("single_scattering").field("steps"),
+        steps.into(),
+        1,
+        4096,
+    )?;
+    let resolution = render.shadows.resolution;
+    rules::whole(
+        &path.field("shadows").field("resolution"),
+        resolution.into(),
+        16,
+        8192,
+    )
+}

@@ -1,0 +1,158 @@
+//! What the render thread needs of a renderer.
+//!
+//! Two callers: [`Wgpu`] in service, and a paced fake in the tests, which checks scheduling
+//! without a device.
+
+use std::sync::Arc;
+
+use tyndall_render::{
+    AdapterKind, AdapterSummary, Device, DeviceOptions, FinishedFrame, RenderError, RenderOutcome,
+    Renderer, View,
+};
+use tyndall_scene::Scene;
+use tyndall_stream::protocol;
+
+use crate::options::ServeError;
+
+/// A renderer that lives on one thread.
+pub trait Backend {
+    /// A session's picture.
+    type View;
+
+    /// What renders.
+    fn adapter(&self) -> protocol::Adapter;
+    /// A picture of `scene`. Unit of the size: pixel.
+    fn create_view(
+        &mut self,
+        scene: Arc<Scene>,
+        width: u32,
+        height: u32,
+    ) -> Result<Self::View, RenderError>;
+    /// Shows another scene, or the same one changed.
+    fn update_view(&mut self, view: &mut Self::View, scene: Arc<Scene>) -> Result<(), RenderError>;
+    /// Changes the size. Unit: pixel.
+    fn resize_view(
+        &mut self,
+        view: &mut Self::View,
+        width: u32,
+        height: u32,
+    ) -> Result<(), RenderError>;
+    /// Starts one frame, which [`Backend::take_finished`] gives back under `tag`.
+    fn render(&mut self, view: &mut Self::View, tag: u64) -> Result<RenderOutcome, RenderError>;
+    /// Looks for finished work without blocking.
+    fn poll(&mut self) -> Result<(), RenderError>;
+    /// Blocks until the oldest frame is finished.
+    fn wait(&mut self) -> Result<(), RenderError>;
+    /// The next finished frame of this view.
+    fn take_finished(&mut self, view: &mut Self::View) -> Option<FinishedFrame>;
+    /// What a frame of this view does, and why.
+    fn plan(&self, view: &Self::View) -> protocol::Plan;
+    /// Whether rendering more would change nothing.
+    fn is_converged(&self, view: &Self::View) -> bool;
+}
+
+/// Opens a backend, at start and again after the device was lost.
+pub type OpenBackend<B> = Box<dyn FnMut() -> Result<B, ServeError> + Send>;
+
+/// The real renderer.
+#[derive(Debug)]
+pub struct Wgpu {
+    renderer: Renderer,
+}
+
+impl Wgpu {
+    /// Opens a device and starts a renderer on it.
+    ///
+    /// # Errors
+    /// [`ServeError::Device`] and [`ServeError::Renderer`].
+    pub fn open(options: &DeviceOptions) -> Result<Self, ServeError> {
+        let device = Device::open(options)?;
+        Ok(Self { renderer: Renderer::new(device)? })
+    }
+}
+
+impl Backend for Wgpu {
+    type View = View;
+
+    fn adapter(&self) -> protocol::Adapter {
+        adapter(self.renderer.adapter())
+    }
+
+    fn create_view(
+        &mut self,
+        scene: Arc<Scene>,
+        width: u32,
+        height: u32,
+    ) -> Result<View, RenderError> {
+        self.renderer.create_view(scene, width, height)
+    }
+
+    fn update_view(&mut self, view: &mut View, scene: Arc<Scene>) -> Result<(), RenderError> {
+        self.renderer.update_view(view, scene)
+    }
+
+    fn resize_view(&mut self, view: &mut View, width: u32, height: u32) -> Result<(), RenderError> {
+        self.renderer.resize_view(view, width, height)
+    }
+
+    fn render(&mut self, view: &mut View, tag: u64) -> Result<RenderOutcome, RenderError> {
+        self.renderer.render(view, tag)
+    }
+
+    fn poll(&mut self) -> Result<(), RenderError> {
+        self.renderer.poll()
+    }
+
+    fn wait(&mut self) -> Result<(), RenderError> {
+        self.renderer.wait()
+    }
+
+    fn take_finished(&mut self, view: &mut View) -> Option<FinishedFrame> {
+        view.take_finished()
+    }
+
+    fn plan(&self, view: &View) -> protocol::Plan {
+        plan(view.plan())
+    }
+
+    fn is_converged(&self, view: &View) -> bool {
+        view.is_converged()
+    }
+}
+
+/// The adapter as the protocol says it.
+pub(crate) fn adapter(summary: &AdapterSummary) -> protocol::Adapter {
+    protocol::Adapter {
+        name: summary.name.clone(),
+        driver: summary.driver.clone(),
+        kind: match summary.kind {
+            AdapterKind::Gpu => protocol::AdapterKind::Gpu,
+            AdapterKind::Software => protocol::AdapterKind::Software,
+            AdapterKind::Other => protocol::AdapterKind::Other,
+        },
+    }
+}
+
+/// The plan as the protocol says it.
+pub(crate) fn plan(plan: &tyndall_render::FramePlan) -> protocol::Plan {
+    protocol::Plan {
+        passes: plan
+            .passes
+            .iter()
+            .map(|pass| protocol::PlannedPass {
+                pass: pass.pass.name().to_owned(),
+                variant: pass.variant.clone(),
+                reason: pass.reason.clone(),
+            })
+            .collect(),
+        skipped: plan
+            .skipped
+            .iter()
+            .map(|pass| protocol::PlannedPass {
+                pass: pass.pass.name().to_owned(),
+                variant: pass.variant.clone(),
+                reason: pass.reason.clone(),
+            })
+            .collect(),
+    }
+}

@@ -1,0 +1,222 @@
+//! Compresses frames on a few threads of its own: never on the render thread, which has the next
+//! frame to start, nor on the async threads, which have sockets to serve.
+//!
+//! At most one frame a session waits; a newer one replaces it. At most one frame a session is
+//! being compressed, so frames of a session leave in order.
+
+use std::collections::{HashSet, VecDeque};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use tyndall_render::FinishedFrame;
+use tyndall_stream::encode::{EncodeError, Encoder, Picture};
+use tyndall_stream::header::{FrameHeader, HEADER_BYTES, HeaderError};
+use tyndall_stream::protocol::{ErrorCode, ErrorMessage, PassTime, ServerMessage, Stats};
+
+use crate::bell::lock;
+use crate::options::ServeError;
+use crate::outbox::EncodedFrame;
+use crate::session::{Session, Wish};
+use crate::telemetry;
+
+/// A finished frame of a session.
+pub(crate) struct Job {
+    pub(crate) session: Arc<Session>,
+    pub(crate) frame: FinishedFrame,
+    pub(crate) frame_id: u32,
+    /// What the frame shows.
+    pub(crate) wish: Wish,
+    /// Whether a software adapter rendered it.
+    pub(crate) software: bool,
+}
+
+#[derive(Default)]
+struct Queue {
+    jobs: VecDeque<Job>,
+    busy: HashSet<u64>,
+    closed: bool,
+}
+
+#[derive(Default)]
+struct Shared {
+    queue: Mutex<Queue>,
+    changed: Condvar,
+}
+
+/// The threads and their queue.
+pub(crate) struct EncoderPool {
+    shared: Arc<Shared>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl EncoderPool {
+    /// Starts `threads` threads, at least one.
+    pub(crate) fn start(threads: usize) -> Result<Self, ServeError> {
+        let shared = Arc::new(Shared::default());
+        let fault = |reason: String| ServeError::Thread { name: "encoder", reason };
+        let threads = (0..threads.max(1))
+            .map(|_| {
+                let encoder = Encoder::new().map_err(|error| fault(error.to_string()))?;
+                let shared = Arc::clone(&shared);
+                std::thread::Builder::new()
+                    .name("encoder".to_owned())
+                    .spawn(move || work(&shared, encoder))
+                    .map_err(|error| fault(error.to_string()))
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self { shared, threads })
+    }
+
+    /// Hands a frame over; one of the same session that still waits is dropped for it.
+    pub(crate) fn submit(&self, job: Job) {
+        let mut queue = lock(&self.shared.queue);
+        let waiting = queue.jobs.iter_mut().find(|waiting| waiting.session.id == job.session.id);
+        if let Some(waiting) = waiting {
+            let dropped = std::mem::replace(waiting, job);
+            drop(queue);
+            give_up(&dropped.session, dropped.frame_id);
+        } else {
+            queue.jobs.push_back(job);
+            drop(queue);
+        }
+        self.shared.changed.notify_one();
+    }
+}
+
+impl Drop for EncoderPool {
+    fn drop(&mut self) {
+        lock(&self.shared.queue).closed = true;
+        self.shared.changed.notify_all();
+        for thread in self.threads.drain(..) {
+            if thread.join().is_err() {
+                tracing::error!("an encoder thread panicked");
+            }
+        }
+    }
+}
+
+/// Frees the frame's place in the window.
+fn give_up(session: &Session, frame_id: u32) {
+    lock(&session.pacing).discard(frame_id);
+    telemetry::frame_dropped();
+}
+
+fn work(shared: &Shared, mut encoder: Encoder) {
+    while let Some(job) = next(shared) {
+        let session = Arc::clone(&job.session);
+        let frame_id = job.frame_id;
+        match encode(&mut encoder, job) {
+            Ok(frame) => {
+                if let Some(unsent) = session.outbox.set_frame(frame) {
+                    give_up(&session, unsent.header.frame_id);
+                }
+            }
+            Err(error) => {
+                tracing::error!(session = session.id, %error, "a frame could not be encoded");
+                give_up(&session, frame_id);
+                let message = error.to_string();
+                let code = ErrorCode::Internal;
+                session.outbox.push(ServerMessage::Error(ErrorMessage {
+                    code,
+                    path: None,
+                    message,
+                    input: None,
+                }));
+            }
+        }
+        lock(&shared.queue).busy.remove(&session.id);
+        // A frame of this session may have waited for it.
+        shared.changed.notify_one();
+    }
+}
+
+/// Waits for a job of a session that no other thread works for; `None` when the pool closes.
+fn next(shared: &Shared) -> Option<Job> {
+    let mut queue = lock(&shared.queue);
+    loop {
+        if queue.closed {
+            return None;
+        }
+        let free = queue.jobs.iter().position(|job| !queue.busy.contains(&job.session.id));
+        if let Some(job) = free.and_then(|position| queue.jobs.remove(position)) {
+            queue.busy.insert(job.session.id);
+            return Some(job);
+        }
+        queue = shared.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+enum FrameError {
+    #[error(transparent)]
+    Encode(#[from] EncodeError),
+    #[error(transparent)]
+    Header(#[from] HeaderError),
+}
+
+fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
+    let Job { session, frame, frame_id, wish, software } = job;
+    let start = Instant::now();
+    let (choice, round_trip) = {
+        let pacing = lock(&session.pacing);
+        let tier = pacing.tier(frame.converged, start);
+        (pacing.choose(tier, wish.accepts), pacing.round_trip())
+    };
+    let mut message = vec![0; HEADER_BYTES];
+    let picture = Picture { width: frame.width, height: frame.height, rgba: &frame.rgba };
+    encoder.encode(picture, choice, &mut message)?;
+    let time = start.elapsed();
+    telemetry::frame_encoded(time);
+    let payload_length = u32::try_from(message.len() - HEADER_BYTES).unwrap_or(u32::MAX);
+    let header = FrameHeader {
+        codec: choice.codec(),
+        converged: frame.converged,
+        software,
+        session_epoch: wish.epoch,
+        frame_id,
+        applied_input: wish.input,
+        samples: frame.samples,
+        width: frame.width,
+        height: frame.height,
+        estimated_error: None,
+        render_micros: frame.render_micros,
+        encode_micros: u32::try_from(time.as_micros()).unwrap_or(u32::MAX),
+        payload_length,
+    };
+    message[..HEADER_BYTES].copy_from_slice(&header.encode()?);
+    let stats = Stats {
+        frame: frame_id,
+        samples: frame.samples,
+        converged: frame.converged,
+        mean_transmittance: frame.stats.mean_transmittance,
+        mean_luminance: frame.stats.mean_luminance,
+        non_finite: frame.stats.non_finite,
+        negative: frame.stats.negative,
+        clamped: frame.stats.clamped,
+        pass_times: frame
+            .pass_times
+            .iter()
+            .map(|pass| PassTime { name: pass.name.to_string(), micros: pass.micros })
+            .collect(),
+        render_micros: frame.render_micros,
+        encode_micros: header.encode_micros,
+        bytes: message.len() as u64,
+        technique: technique(wish.scene.render.technique).to_owned(),
+        round_trip_micros: round_trip.map(|time| time.as_micros() as u64),
+    };
+    Ok(EncodedFrame { header, message: message.into(), stats })
+}
+
+/// The technique's one name: JSON key, file, metric label.
+fn technique(technique: tyndall_scene::Technique) -> &'static str {
+    use tyndall_scene::Technique;
+    match technique {
+        Technique::Auto => "auto",
+        Technique::SingleScattering => "single_scattering",
+        Technique::InstantVpl => "instant_vpl",
+        Technique::PrincipalOrdinates => "principal_ordinates",
+        Technique::ScreenSpace => "screen_space",
+        Technique::Reference => "reference",
+    }
+}

@@ -1,0 +1,36 @@
+//! The service: pages, sessions and frames over HTTP and WebSocket.
+//!
+//! Modules in the order of the way from a request to a frame:
+//!
+//! - [`options`]: where to listen, who may ask, how much;
+//! - [`server`]: binds, starts the threads, serves, shuts down;
+//! - `routes`: HTTP addresses; errors leave as [`problem`] documents;
+//! - `socket`: one conversation a WebSocket;
+//! - `session`, `sessions`: what a client has set, kept for a while after its connection drops;
+//! - `scenes`: built-in scenes, built once;
+//! - [`render_thread`] over a [`backend`]: the one thread that owns the device;
+//! - `encoder_pool`: compression, on threads of its own;
+//! - `outbox`: the newest frame and the waiting messages of a session, back to its socket;
+//! - `telemetry`: what is counted.
+//!
+//! Threads meet in slots that hold the newest value only, so nothing between them can pile up:
+//! the render thread reads what each session wants *now*, and a frame that was not fetched is
+//! replaced by a newer one.
+
+pub mod backend;
+mod bell;
+mod encoder_pool;
+pub mod options;
+mod outbox;
+pub mod problem;
+pub mod render_thread;
+mod routes;
+mod scenes;
+pub mod server;
+mod session;
+mod sessions;
+mod socket;
+mod telemetry;
+
+pub use options::{ServeError, ServeOptions, ServiceLimits};
+pub use server::{serve, serve_on};

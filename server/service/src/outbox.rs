@@ -1,0 +1,132 @@
+//! What waits for a session's socket: messages in order, and the newest plan and frame.
+
+use std::collections::VecDeque;
+use std::sync::Mutex;
+
+use axum::body::Bytes;
+use tokio::sync::Notify;
+use tyndall_stream::header::{FrameHeader, HEADER_BYTES};
+use tyndall_stream::protocol::{Plan, PlanMessage, ServerMessage, Stats};
+
+use crate::bell::lock;
+
+/// Messages that may wait; a client that causes more without reading them is cut off.
+const MAX_WAITING: usize = 64;
+
+/// A frame ready to be sent.
+#[derive(Debug, Clone)]
+pub(crate) struct EncodedFrame {
+    pub(crate) header: FrameHeader,
+    /// Header and payload.
+    pub(crate) message: Bytes,
+    pub(crate) stats: Stats,
+}
+
+impl EncodedFrame {
+    /// The same picture under another number, as the answer to another input.
+    pub(crate) fn renumbered(&self, frame_id: u32, epoch: u32, input: u64) -> Option<Self> {
+        let header = FrameHeader {
+            frame_id,
+            session_epoch: epoch,
+            applied_input: input,
+            render_micros: 0,
+            encode_micros: 0,
+            ..self.header
+        };
+        let mut message = self.message.to_vec();
+        message.get_mut(..HEADER_BYTES)?.copy_from_slice(&header.encode().ok()?);
+        let stats = Stats { frame: frame_id, ..self.stats.clone() };
+        Some(Self { header, message: message.into(), stats })
+    }
+}
+
+/// The next thing to send.
+#[derive(Debug)]
+pub(crate) enum Outgoing {
+    Message(ServerMessage),
+    Frame(EncodedFrame),
+}
+
+/// Slots between render, encoder and socket.
+#[derive(Debug, Default)]
+pub(crate) struct Outbox {
+    slots: Mutex<Slots>,
+    filled: Notify,
+}
+
+#[derive(Debug, Default)]
+struct Slots {
+    messages: VecDeque<ServerMessage>,
+    plan: Option<Plan>,
+    plan_is_new: bool,
+    frame: Option<EncodedFrame>,
+    last_frame: Option<EncodedFrame>,
+}
+
+impl Outbox {
+    /// Queues a message; false when too many wait already, and then it is not queued.
+    pub(crate) fn push(&self, message: ServerMessage) -> bool {
+        let mut slots = lock(&self.slots);
+        let room = slots.messages.len() < MAX_WAITING;
+        if room {
+            slots.messages.push_back(message);
+        }
+        drop(slots);
+        self.filled.notify_one();
+        room
+    }
+
+    /// Replaces the plan; an equal one is not sent again.
+    pub(crate) fn set_plan(&self, plan: Plan) {
+        let mut slots = lock(&self.slots);
+        if slots.plan.as_ref() == Some(&plan) {
+            return;
+        }
+        slots.plan = Some(plan);
+        slots.plan_is_new = true;
+        drop(slots);
+        self.filled.notify_one();
+    }
+
+    /// Replaces the waiting frame and returns the one that was never sent.
+    pub(crate) fn set_frame(&self, frame: EncodedFrame) -> Option<EncodedFrame> {
+        let mut slots = lock(&self.slots);
+        slots.last_frame = Some(frame.clone());
+        let unsent = slots.frame.replace(frame);
+        drop(slots);
+        self.filled.notify_one();
+        unsent
+    }
+
+    /// The newest frame there was, sent or not.
+    pub(crate) fn last_frame(&self) -> Option<EncodedFrame> {
+        lock(&self.slots).last_frame.clone()
+    }
+
+    /// Prepares for another connection: nothing of the old one waits, the plan is sent again.
+    pub(crate) fn reconnect(&self) {
+        let mut slots = lock(&self.slots);
+        slots.messages.clear();
+        slots.frame = None;
+        slots.plan_is_new = slots.plan.is_some();
+    }
+
+    /// Messages first, since they explain the frames behind them.
+    pub(crate) fn take(&self) -> Option<Outgoing> {
+        let mut slots = lock(&self.slots);
+        if let Some(message) = slots.messages.pop_front() {
+            return Some(Outgoing::Message(message));
+        }
+        if std::mem::take(&mut slots.plan_is_new)
+            && let Some(plan) = slots.plan.clone()
+        {
+            return Some(Outgoing::Message(ServerMessage::Plan(PlanMessage { plan })));
+        }
+        slots.frame.take().map(Outgoing::Frame)
+    }
+
+    /// Waits until something may be there.
+    pub(crate) async fn filled(&self) {
+        self.filled.notified().await;
+    }
+}

@@ -1,0 +1,62 @@
+//! `/v1/plan`: which passes a scene needs, and why, without rendering it.
+
+use std::sync::Arc;
+
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::rejection::{BytesRejection, QueryRejection};
+use axum::extract::{Query, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use serde::Deserialize;
+use tyndall_stream::protocol::ErrorCode;
+
+use crate::problem::Problem;
+use crate::scenes::PlanReply;
+use crate::server::App;
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Parameters {
+    preset: String,
+}
+
+/// The plan of a preset: `GET /v1/plan?preset=NAME`.
+pub(super) async fn of_preset(
+    State(app): State<Arc<App>>,
+    parameters: Result<Query<Parameters>, QueryRejection>,
+) -> Result<Json<PlanReply>, Problem> {
+    let Query(Parameters { preset }) = parameters.map_err(|_rejection| {
+        let detail = "name a preset: /v1/plan?preset=NAME, or post a scene";
+        Problem::new(ErrorCode::Malformed, detail)
+    })?;
+    Ok(Json(app.scenes.plan_of_preset(&preset).await?))
+}
+
+/// The plan of a scene that refers to no files: `POST /v1/plan` with its JSON.
+pub(super) async fn of_scene(
+    State(app): State<Arc<App>>,
+    headers: HeaderMap,
+    body: Result<Bytes, BytesRejection>,
+) -> Result<Json<PlanReply>, Problem> {
+    if !is_json(&headers) {
+        let detail = "send the scene with content type application/json";
+        return Err(Problem::new(ErrorCode::UnsupportedMediaType, detail));
+    }
+    let body = body.map_err(|rejection| {
+        if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE {
+            let limit = app.limits.max_body_bytes;
+            Problem::new(ErrorCode::TooLarge, format!("at most {limit} bytes are read"))
+        } else {
+            Problem::new(ErrorCode::Malformed, rejection.body_text())
+        }
+    })?;
+    let text = String::from_utf8(body.into()).map_err(|_not_text| {
+        Problem::new(ErrorCode::Malformed, "the body is not UTF-8 text")
+    })?;
+    Ok(Json(app.scenes.plan_of(text).await?))
+}
+
+fn is_json(headers: &HeaderMap) -> bool {
+    let kind = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok());
+    let essence = kind.and_then(|kind| kind.split(';').next()).unwrap_or_default().trim();
+    essence.eq_ignore_ascii_case("application/json") || essence.ends_with("+json")
+}

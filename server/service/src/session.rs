@@ -1,0 +1,226 @@
+//! One client's session: what it wants to see, and what is on its way to it.
+//!
+//! The session holds the wish; the render thread compares it with what it last rendered. A burst
+//! of camera moves thus costs one frame, and none of them can be lost.
+
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+use tokio::sync::watch;
+use tyndall_render::check_supported;
+use tyndall_scene::description::CameraDescription;
+use tyndall_scene::{Loaded, Scene, SceneDescription, SceneEdit, SceneError, apply_edit, facts};
+use tyndall_stream::pacing::{Accepts, Pacing, PacingSettings};
+use tyndall_stream::protocol::{CameraPose, ErrorCode, ErrorMessage, Facts, SceneMessage};
+
+use crate::bell::lock;
+use crate::outbox::Outbox;
+
+/// Why a session refused a change; its state is as before.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Refusal {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    NotRenderedYet(#[from] tyndall_render::NotRenderedYet),
+}
+
+impl Refusal {
+    /// The message that tells the client.
+    pub(crate) fn message(&self, input: Option<u64>) -> ErrorMessage {
+        let (code, path) = match self {
+            Self::Scene(error) => (ErrorCode::InvalidScene, error.path()),
+            Self::NotRenderedYet(_) => (ErrorCode::NotRenderedYet, None),
+        };
+        ErrorMessage { code, path: path.map(str::to_owned), message: self.to_string(), input }
+    }
+}
+
+/// What a session wants rendered now.
+#[derive(Debug, Clone)]
+pub(crate) struct Wish {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) epoch: u32,
+    pub(crate) input: u64,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    /// Someone is connected and looking.
+    pub(crate) watched: bool,
+    pub(crate) accepts: Accepts,
+}
+
+/// A session, connected or waiting to be resumed.
+#[derive(Debug)]
+pub(crate) struct Session {
+    /// Counts the sessions of this process; for logs.
+    pub(crate) id: u64,
+    /// Secret name, for resuming.
+    pub(crate) token: String,
+    pub(crate) pacing: Mutex<Pacing>,
+    pub(crate) outbox: Outbox,
+    state: Mutex<State>,
+    /// Number of the connection that owns the session.
+    connection: watch::Sender<u64>,
+}
+
+#[derive(Debug)]
+struct State {
+    description: SceneDescription,
+    warnings: Vec<String>,
+    wish: Wish,
+    visible: bool,
+    /// Since when nobody is connected.
+    dropped: Option<Instant>,
+}
+
+impl Session {
+    /// A connected session that sees `scene`.
+    pub(crate) fn new(id: u64, token: String, scene: &Loaded, accepts: Accepts) -> Self {
+        let wish = Wish {
+            scene: Arc::new(scene.scene.clone()),
+            epoch: 1,
+            input: 0,
+            width: scene.scene.render.width,
+            height: scene.scene.render.height,
+            watched: true,
+            accepts,
+        };
+        Self {
+            id,
+            token,
+            pacing: Mutex::new(Pacing::new(PacingSettings::default())),
+            outbox: Outbox::default(),
+            state: Mutex::new(State {
+                description: scene.description.clone(),
+                warnings: scene.warnings.clone(),
+                wish,
+                visible: true,
+                dropped: None,
+            }),
+            connection: watch::Sender::new(1),
+        }
+    }
+
+    /// What to render now.
+    pub(crate) fn wish(&self) -> Wish {
+        let state = lock(&self.state);
+        let watched = state.visible && state.dropped.is_none();
+        Wish { watched, ..state.wish.clone() }
+    }
+
+    /// Gives the session to another connection and returns that connection's number.
+    pub(crate) fn connect(&self, accepts: Accepts) -> u64 {
+        let mut state = lock(&self.state);
+        state.wish.accepts = accepts;
+        state.wish.epoch = state.wish.epoch.wrapping_add(1);
+        state.visible = true;
+        state.dropped = None;
+        drop(state);
+        lock(&self.pacing).reconnect();
+        self.outbox.reconnect();
+        self.connection.send_modify(|number| *number += 1);
+        *self.connection.borrow()
+    }
+
+    /// The connection has ended; false when another one owns the session by now.
+    pub(crate) fn disconnect(&self, connection: u64, now: Instant) -> bool {
+        let owns = *self.connection.borrow() == connection;
+        if owns {
+            lock(&self.state).dropped = Some(now);
+        }
+        owns
+    }
+
+    /// Since when nobody is connected; `None` while somebody is.
+    pub(crate) fn dropped(&self) -> Option<Instant> {
+        lock(&self.state).dropped
+    }
+
+    /// The number of the connection that owns the session.
+    pub(crate) fn connection(&self) -> u64 {
+        *self.connection.borrow()
+    }
+
+    /// Returns once another connection owns the session.
+    pub(crate) async fn taken_from(&self, connection: u64) {
+        let mut receiver = self.connection.subscribe();
+        // The sender lives as long as `self`, so this ends only by a change.
+        if receiver.wait_for(|&owner| owner != connection).await.is_err() {
+            std::future::pending::<()>().await;
+        }
+    }
+
+    /// The message that describes the open scene.
+    pub(crate) fn scene_message(&self) -> SceneMessage {
+        let state = lock(&self.state);
+        SceneMessage {
+            epoch: state.wish.epoch,
+            name: state.wish.scene.name.clone(),
+            description: state.description.clone(),
+            facts: Facts::from(&facts(&state.wish.scene)),
+            warnings: state.warnings.clone(),
+        }
+    }
+
+    /// Moves the eye.
+    pub(crate) fn set_camera(
+        &self,
+        input: u64,
+        pose: CameraPose,
+        now: Instant,
+    ) -> Result<(), Refusal> {
+        let camera = {
+            let state = lock(&self.state);
+            CameraDescription {
+                position: pose.position,
+                target: pose.target,
+                up: pose.up,
+                vertical_fov_degrees: pose.vertical_fov_degrees,
+                ..state.description.camera.clone()
+            }
+        };
+        self.edit(input, &SceneEdit { camera: Some(camera), ..SceneEdit::default() }, now)
+    }
+
+    /// Changes the open scene; on an error the old state stays.
+    pub(crate) fn edit(&self, input: u64, edit: &SceneEdit, now: Instant) -> Result<(), Refusal> {
+        let mut state = lock(&self.state);
+        let (description, scene) = apply_edit(&state.description, &state.wish.scene, edit)?;
+        check_supported(&scene)?;
+        state.description = description;
+        state.wish.scene = Arc::new(scene);
+        state.wish.input = state.wish.input.max(input);
+        drop(state);
+        lock(&self.pacing).input(now);
+        Ok(())
+    }
+
+    /// Opens another scene.
+    pub(crate) fn open(&self, input: u64, scene: &Loaded, now: Instant) -> Result<(), Refusal> {
+        check_supported(&scene.scene)?;
+        let mut state = lock(&self.state);
+        state.description = scene.description.clone();
+        state.warnings.clone_from(&scene.warnings);
+        state.wish.scene = Arc::new(scene.scene.clone());
+        state.wish.epoch = state.wish.epoch.wrapping_add(1);
+        state.wish.input = state.wish.input.max(input);
+        drop(state);
+        lock(&self.pacing).input(now);
+        Ok(())
+    }
+
+    /// Changes the size of the picture. Unit: pixel. The caller has checked the limits.
+    pub(crate) fn resize(&self, input: u64, width: u32, height: u32, now: Instant) {
+        let mut state = lock(&self.state);
+        state.wish.width = width;
+        state.wish.height = height;
+        state.wish.input = state.wish.input.max(input);
+        drop(state);
+        lock(&self.pacing).input(now);
+    }
+
+    /// Says whether anyone is looking.
+    pub(crate) fn set_visible(&self, visible: bool) {
+        lock(&self.state).visible = visible;
+    }
+}

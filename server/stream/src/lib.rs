@@ -1,0 +1,13 @@
+//! What travels between the service and the page, in the order a frame goes through it.
+//!
+//! - [`pacing`] decides when a client gets its next frame and how well it is compressed,
+//! - [`encode`] compresses it,
+//! - [`header`] goes in front of it,
+//! - [`protocol`] carries everything else as JSON.
+//!
+//! No GPU, no network, no clock: the service brings those.
+
+pub mod encode;
+pub mod header;
+pub mod pacing;
+pub mod protocol;

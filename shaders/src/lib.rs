@@ -1,0 +1,9 @@
+//! Shaders: WESL sources linked at build time to WGSL, and the Rust mirrors of the shared structs.
+//!
+//! `permutations.txt` lists every shader; `build.rs` links, validates and reflects them; [`shader`]
+//! finds one by name. No device is needed.
+
+mod table;
+pub mod types;
+
+pub use table::{Binding, EntryPoint, Shader, Stage, all, shader};

@@ -1,0 +1,118 @@
+/** One WebSocket that comes back by itself. Knows nothing of scenes or pictures. */
+
+import { backoffMillis } from './backoff';
+import type { ClientMessage, ServerMessage } from './protocol.gen';
+import { Signal } from './store';
+
+export type ConnectionState = 'connecting' | 'connected' | 'reconnecting' | 'offline';
+
+/** Failed attempts in a row after which the page says "offline" instead of "reconnecting". */
+const OFFLINE_AFTER = 4;
+const CONNECT_TIMEOUT_MILLIS = 10_000;
+
+export interface ConnectionEvents {
+  /** The socket is open; the return value is the first message sent on it. */
+  onOpen(): ClientMessage;
+  onMessage(message: ServerMessage): void;
+  onPicture(message: ArrayBuffer): void;
+  onBroken(reason: string): void;
+}
+
+export class Connection {
+  readonly state = new Signal<ConnectionState>('connecting');
+  private socket: WebSocket | null = null;
+  private failures = 0;
+  private everConnected = false;
+  private retryTimer: ReturnType<typeof setTimeout> | undefined;
+  private connectTimer: ReturnType<typeof setTimeout> | undefined;
+  private received = 0;
+
+  constructor(
+    private readonly url: string,
+    private readonly events: ConnectionEvents,
+  ) {
+    window.addEventListener('online', () => this.retryNow());
+    window.addEventListener('offline', () => this.dropped('offline'));
+    document.addEventListener('visibilitychange', () => {
+      if (!document.hidden) this.retryNow();
+    });
+  }
+
+  /** Bytes received since the page was opened. */
+  get bytesReceived(): number {
+    return this.received;
+  }
+
+  get isOpen(): boolean {
+    return this.socket?.readyState === WebSocket.OPEN;
+  }
+
+  open(): void {
+    clearTimeout(this.retryTimer);
+    const socket = new WebSocket(this.url);
+    socket.binaryType = 'arraybuffer';
+    this.socket = socket;
+    this.connectTimer = setTimeout(() => this.dropped('reconnecting'), CONNECT_TIMEOUT_MILLIS);
+    socket.onopen = () => {
+      clearTimeout(this.connectTimer);
+      this.send(this.events.onOpen());
+    };
+    socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => this.receive(event.data);
+    // A failure is always followed by a close.
+    socket.onclose = () => this.dropped('reconnecting');
+  }
+
+  /** False when there is no open socket; the caller keeps what it wanted to say. */
+  send(message: ClientMessage): boolean {
+    if (!this.isOpen) return false;
+    this.socket?.send(JSON.stringify(message));
+    return true;
+  }
+
+  /** Skips the rest of the wait, if the page is waiting. */
+  retryNow(): void {
+    if (this.socket === null) this.open();
+  }
+
+  /** Closes the socket as a broken network would; the page reconnects. */
+  drop(): void {
+    this.socket?.close();
+  }
+
+  private receive(data: string | ArrayBuffer): void {
+    if (data instanceof ArrayBuffer) {
+      this.received += data.byteLength;
+      this.events.onPicture(data);
+      return;
+    }
+    this.received += data.length;
+    let message: ServerMessage;
+    try {
+      message = JSON.parse(data) as ServerMessage;
+    } catch {
+      this.events.onBroken('the server sent a message that is not JSON');
+      return;
+    }
+    if (message.type === 'welcome') {
+      // Only now: a server that accepts and closes at once must not be hammered.
+      this.failures = 0;
+      this.everConnected = true;
+      this.state.set('connected');
+    }
+    this.events.onMessage(message);
+  }
+
+  private dropped(state: ConnectionState): void {
+    const socket = this.socket;
+    if (socket === null) return;
+    clearTimeout(this.connectTimer);
+    this.socket = null;
+    socket.onopen = socket.onmessage = socket.onclose = null;
+    socket.close();
+    const wait = backoffMillis(this.failures);
+    this.failures += 1;
+    if (this.failures >= OFFLINE_AFTER || state === 'offline') this.state.set('offline');
+    else this.state.set(this.everConnected ? 'reconnecting' : 'connecting');
+    this.retryTimer = setTimeout(() => this.open(), wait);
+  }
+}

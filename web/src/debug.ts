@@ -1,0 +1,30 @@
+/** What the page knows, for tests and for curious engineers at the console. */
+
+import type { ConnectionState } from './connection';
+import type { FrameHeader } from './header';
+import type { LatencySummary } from './latency';
+import type { CameraPose, Plan, Stats, Welcome } from './protocol.gen';
+
+export interface DebugState {
+  connection: ConnectionState;
+  welcome: Welcome | null;
+  /** Number of welcomes received: one more for every reconnection. */
+  connections: number;
+  sceneName: string;
+  framesPainted: number;
+  lastHeader: FrameHeader | null;
+  stats: Stats | null;
+  plan: Plan | null;
+  latency: LatencySummary | null;
+  lastInput: number;
+  camera: CameraPose | null;
+  errors: string[];
+  /** Closes the socket as a broken network would. */
+  drop(): void;
+}
+
+declare global {
+  interface Window {
+    __tyndall: DebugState;
+  }
+}

@@ -1,0 +1,1186 @@
+// Generated from server/stream/src/protocol.rs and server/scene; do not edit.
+// TYNDALL_BLESS=1 cargo test -p tyndall-stream --test typescript
+
+export const PROTOCOL_VERSION = 1;
+export const HEADER_VERSION = 1;
+export const HEADER_BYTES = 64;
+export const CODEC_JPEG = 1;
+export const CODEC_PNG = 2;
+
+/**
+ * Acknowledges a frame and all before it.
+ */
+export type Ack = { 
+/**
+ * `frame_id` of the header.
+ */
+frame: number, 
+/**
+ * Time from the frame's arrival to its painting; only told, not used. Unit: µs.
+ */
+paint_micros?: number | null, };
+
+/**
+ * What renders.
+ */
+export type Adapter = { 
+/**
+ * The device's name.
+ */
+name: string, 
+/**
+ * The driver's name and version.
+ */
+driver: string, 
+/**
+ * Kind of device.
+ */
+kind: AdapterKind, };
+
+/**
+ * Kind of device.
+ */
+export type AdapterKind = "gpu" | "software" | "other";
+
+/**
+ * An axis-aligned box.
+ */
+export type Bounds = { 
+/**
+ * Lowest corner. Unit: m.
+ */
+min: [number, number, number], 
+/**
+ * Highest corner; above `min` in every component. Unit: m.
+ */
+max: [number, number, number], };
+
+/**
+ * An axis-aligned box.
+ */
+export type BoxGeometry = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Lowest corner. Unit: m.
+ */
+min: [number, number, number], 
+/**
+ * Highest corner; above `min` in every component. Unit: m.
+ */
+max: [number, number, number], 
+/**
+ * Surface.
+ */
+material: MaterialDescription, 
+/**
+ * Placement; identity if left out.
+ */
+transform?: Transform, 
+/**
+ * Placement at which time, in order of time. Used by animation jobs.
+ */
+keyframes?: Array<TransformKeyframe>, };
+
+/**
+ * Perspective pinhole camera.
+ */
+export type CameraDescription = { 
+/**
+ * Unit: m.
+ */
+position: [number, number, number], 
+/**
+ * The point looked at; at least 1e−6 m from `position`. Unit: m.
+ */
+target: [number, number, number], 
+/**
+ * Any length; not parallel to the view direction.
+ */
+up: [number, number, number], 
+/**
+ * Full vertical field of view. Unit: degree. Range: 0.1 to 170.
+ */
+vertical_fov_degrees: number, 
+/**
+ * Exposure value: displayed = curve(radiance · 2^`exposure_ev`). Range: −24 to 24.
+ */
+exposure_ev: number, 
+/**
+ * Where the camera is at which time, in order of time. Used by animation jobs.
+ */
+keyframes?: Array<CameraKeyframe>, };
+
+/**
+ * The camera at one time.
+ */
+export type CameraKeyframe = { 
+/**
+ * Later than the keyframe before. Unit: s. Range: 0 to 1e6.
+ */
+time_seconds: number, 
+/**
+ * Unit: m.
+ */
+position: [number, number, number], 
+/**
+ * Unit: m.
+ */
+target: [number, number, number], 
+/**
+ * The camera's own field of view if left out. Unit: degree. Range: 0.1 to 170.
+ */
+vertical_fov_degrees?: number, };
+
+/**
+ * Where the eye is; exposure and keyframes stay as they are.
+ */
+export type CameraPose = { 
+/**
+ * Unit: m.
+ */
+position: [number, number, number], 
+/**
+ * The point looked at. Unit: m.
+ */
+target: [number, number, number], 
+/**
+ * Any length; not parallel to the view direction.
+ */
+up: [number, number, number], 
+/**
+ * Full vertical field of view. Unit: degree.
+ */
+vertical_fov_degrees: number, };
+
+/**
+ * Moves the eye.
+ */
+export type CameraUpdate = { 
+/**
+ * The client's input number.
+ */
+input: number, 
+/**
+ * Where to.
+ */
+camera: CameraPose, };
+
+/**
+ * What a client says.
+ */
+export type ClientMessage = { "type": "hello" } & Hello | { "type": "camera" } & CameraUpdate | { "type": "edit" } & EditRequest | { "type": "open_preset" } & OpenPreset | { "type": "resize" } & Resize | { "type": "ack" } & Ack | { "type": "visible" } & Visible;
+
+/**
+ * How a frame's payload is compressed.
+ */
+export type Codec = "jpeg" | "png";
+
+/**
+ * Parallel light from infinity.
+ */
+export type DirectionalLightDescription = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * In which the light travels; any length above 1e−6.
+ */
+direction: [number, number, number], 
+/**
+ * On a plane perpendicular to `direction`. Unit: W·m⁻². Range: 0 to 1e9.
+ */
+irradiance: Rgb, 
+/**
+ * Whether surfaces block this light.
+ */
+casts_shadows: boolean, };
+
+/**
+ * Changes the open scene.
+ */
+export type EditRequest = { 
+/**
+ * The client's input number.
+ */
+input: number, 
+/**
+ * What to change.
+ */
+edit: SceneEdit, };
+
+/**
+ * Radiance from infinity.
+ */
+export type EnvironmentDescription = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Multiplies the map, or is the radiance itself. Unit: W·m⁻²·sr⁻¹. Range: 0 to 1e9.
+ */
+radiance: Rgb, 
+/**
+ * Equirectangular `.hdr` or `.exr`, relative to the scene's folder and inside it.
+ */
+map?: string, 
+/**
+ * Rotation of the map about +Y. Unit: degree. Range: −360 to 360.
+ */
+rotation_degrees: number, };
+
+/**
+ * Stable names of causes, shared by the WebSocket and by HTTP problems.
+ */
+export type ErrorCode = "malformed" | "not_found" | "method_not_allowed" | "unauthorized" | "origin_refused" | "too_large" | "unsupported_media_type" | "invalid_scene" | "not_rendered_yet" | "invalid_size" | "protocol_version" | "hello_expected" | "no_common_codec" | "too_many_sessions" | "taken_over" | "not_ready" | "render_failed" | "internal";
+
+/**
+ * Why something was refused or broke.
+ */
+export type ErrorMessage = { 
+/**
+ * Stable name of the cause.
+ */
+code: ErrorCode, 
+/**
+ * JSON path in the scene or message, where there is one.
+ */
+path?: string, 
+/**
+ * One sentence for people.
+ */
+message: string, 
+/**
+ * Input number of the message that was refused.
+ */
+input?: number, };
+
+/**
+ * What the planner knows about a scene; see `SceneFacts` for the exact meanings.
+ */
+export type Facts = { triangles: number, instances: number, textures: number, alpha_masked_instances: number, emissive_triangles: number, point_lights: number, spot_lights: number, directional_lights: number, environment: boolean, media: number, scatters: boolean, medium_emits: boolean, anisotropic: boolean, max_abs_g: number, max_albedo: number, 
+/**
+ * An infinite thickness is the largest finite number: JSON knows no infinity.
+ */
+optical_thickness: number, };
+
+/**
+ * One entry of `geometry`.
+ */
+export type GeometryDescription = { "kind": "gltf" } & GltfGeometry | { "kind": "obj" } & ObjGeometry | { "kind": "mesh" } & MeshGeometry | { "kind": "box" } & BoxGeometry | { "kind": "sphere" } & SphereGeometry | { "kind": "quad" } & QuadGeometry;
+
+/**
+ * A glTF 2.0 file.
+ */
+export type GltfGeometry = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * `.gltf` or `.glb`, relative to the scene's folder and inside it.
+ */
+path: string, 
+/**
+ * Candela, lux (and W by definition of 1 cd = 1/K W/sr) of `KHR_lights_punctual` are
+ * divided by this. Unit: lm/W. Range: 1e−3 to 1e6.
+ */
+luminous_efficacy: number, 
+/**
+ * Whether the file's lights are taken. Once loaded they stand in `lights`, and this is
+ * false.
+ */
+import_lights: boolean, 
+/**
+ * Placement; identity if left out.
+ */
+transform?: Transform, 
+/**
+ * Placement at which time, in order of time. Used by animation jobs.
+ */
+keyframes?: Array<TransformKeyframe>, };
+
+/**
+ * A voxel grid in a file. Formats that carry no placement fill the unit cube [0, 1]³ before
+ * `transform`.
+ */
+export type GridMedium = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Scattering coefficient at density 1, together with `sigma_a`. Unit: m⁻¹.
+ * Range: 0 to 1e6.
+ */
+sigma_s?: Rgb, 
+/**
+ * Absorption coefficient at density 1, together with `sigma_s`. Unit: m⁻¹.
+ * Range: 0 to 1e6.
+ */
+sigma_a?: Rgb, 
+/**
+ * Extinction coefficient at density 1, together with `albedo`, instead of `sigma_s`
+ * and `sigma_a`. Unit: m⁻¹. Range: 0 to 1e6.
+ */
+sigma_t?: Rgb, 
+/**
+ * Scattered share of `sigma_t`. Range: 0 to 1.
+ */
+albedo?: Rgb, 
+/**
+ * Henyey–Greenstein mean cosine, +1 forward. Range: −0.999 to 0.999.
+ */
+g: number, 
+/**
+ * Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
+ */
+emission: Rgb, 
+/**
+ * Factor on all coefficients and the emission. Range: 0 to 1e6.
+ */
+density_scale: number, 
+/**
+ * `.vdb`, `.nvdb`, `.vol`, `.npy`, `.npz` or `.raw`, relative to the scene's folder and
+ * inside it.
+ */
+path: string, 
+/**
+ * Placement; identity if left out.
+ */
+transform?: Transform, };
+
+/**
+ * Exponential height fog.
+ */
+export type HeightFogMedium = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Scattering coefficient at density 1, together with `sigma_a`. Unit: m⁻¹.
+ * Range: 0 to 1e6.
+ */
+sigma_s?: Rgb, 
+/**
+ * Absorption coefficient at density 1, together with `sigma_s`. Unit: m⁻¹.
+ * Range: 0 to 1e6.
+ */
+sigma_a?: Rgb, 
+/**
+ * Extinction coefficient at density 1, together with `albedo`, instead of `sigma_s`
+ * and `sigma_a`. Unit: m⁻¹. Range: 0 to 1e6.
+ */
+sigma_t?: Rgb, 
+/**
+ * Scattered share of `sigma_t`. Range: 0 to 1.
+ */
+albedo?: Rgb, 
+/**
+ * Henyey–Greenstein mean cosine, +1 forward. Range: −0.999 to 0.999.
+ */
+g: number, 
+/**
+ * Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
+ */
+emission: Rgb, 
+/**
+ * Factor on all coefficients and the emission. Range: 0 to 1e6.
+ */
+density_scale: number, 
+/**
+ * In which the density falls; any length above 1e−6.
+ */
+up: [number, number, number], 
+/**
+ * Unit: m⁻¹. Range: 0 to 1000.
+ */
+falloff: number, 
+/**
+ * A point where the density is 1. Unit: m.
+ */
+origin: [number, number, number], 
+/**
+ * Where it is; all of space if left out.
+ */
+bounds?: Bounds, };
+
+/**
+ * Opens or resumes a session.
+ */
+export type Hello = { 
+/**
+ * [`PROTOCOL_VERSION`].
+ */
+protocol: number, 
+/**
+ * Codecs the client decodes; names this server does not know are skipped.
+ */
+accept: Array<string>, 
+/**
+ * Width of the picture wanted. Unit: device pixel.
+ */
+width: number, 
+/**
+ * Height of the picture wanted. Unit: device pixel.
+ */
+height: number, 
+/**
+ * Device pixels per CSS pixel; only told, not used.
+ */
+device_pixel_ratio: number, 
+/**
+ * `session` of an earlier welcome, to go on with its state.
+ */
+resume?: string | null, };
+
+/**
+ * Equal everywhere inside its bounds, or in all of space.
+ */
+export type HomogeneousMedium = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Scattering coefficient at density 1, together with `sigma_a`. Unit: m⁻¹.
+ * Range: 0 to 1e6.
+ */
+sigma_s?: Rgb, 
+/**
+ * Absorption coefficient at density 1, together with `sigma_s`. Unit: m⁻¹.
+ * Range: 0 to 1e6.
+ */
+sigma_a?: Rgb, 
+/**
+ * Extinction coefficient at density 1, together with `albedo`, instead of `sigma_s`
+ * and `sigma_a`. Unit: m⁻¹. Range: 0 to 1e6.
+ */
+sigma_t?: Rgb, 
+/**
+ * Scattered share of `sigma_t`. Range: 0 to 1.
+ */
+albedo?: Rgb, 
+/**
+ * Henyey–Greenstein mean cosine, +1 forward. Range: −0.999 to 0.999.
+ */
+g: number, 
+/**
+ * Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
+ */
+emission: Rgb, 
+/**
+ * Factor on all coefficients and the emission. Range: 0 to 1e6.
+ */
+density_scale: number, 
+/**
+ * Where it is; all of space if left out.
+ */
+bounds?: Bounds, };
+
+/**
+ * One entry of `lights`.
+ */
+export type LightDescription = { "kind": "point" } & PointLightDescription | { "kind": "spot" } & SpotLightDescription | { "kind": "directional" } & DirectionalLightDescription | { "kind": "environment" } & EnvironmentDescription;
+
+/**
+ * Metallic-roughness surface.
+ */
+export type MaterialDescription = { 
+/**
+ * Linear reflectance; multiplies the texture. Range: 0 to 1.
+ */
+base_color: Rgb, 
+/**
+ * Range: 0 to 1.
+ */
+metallic: number, 
+/**
+ * Perceptual roughness. Range: 0 to 1.
+ */
+roughness: number, 
+/**
+ * Emitted radiance. Unit: W·m⁻²·sr⁻¹. Range: 0 to 1e9. Front only unless `double_sided`.
+ */
+emission: Rgb, 
+/**
+ * Both sides reflect and emit; otherwise triangles seen from behind are holes.
+ */
+double_sided: boolean, 
+/**
+ * Alpha of the texture below this is a hole. Range: 0 to 1.
+ */
+alpha_cutoff?: number, 
+/**
+ * sRGB image (`.png`, `.jpg`), relative to the scene's folder and inside it.
+ */
+base_color_texture?: string, };
+
+/**
+ * One entry of `media`.
+ */
+export type MediumDescription = { "kind": "homogeneous" } & HomogeneousMedium | { "kind": "height_fog" } & HeightFogMedium | { "kind": "sphere" } & SphereMedium | { "kind": "grid" } & GridMedium;
+
+/**
+ * A triangle mesh written into the scene.
+ */
+export type MeshGeometry = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Unit: m.
+ */
+positions: Array<[number, number, number]>, 
+/**
+ * Three indices into `positions` a triangle, counter-clockwise seen from the front.
+ */
+indices: Array<[number, number, number]>, 
+/**
+ * One a position, any length above zero; flat normals if left out.
+ */
+normals?: Array<[number, number, number]>, 
+/**
+ * One a position; (0, 0) is the image's upper left corner.
+ */
+texcoords?: Array<[number, number]>, 
+/**
+ * Surface.
+ */
+material: MaterialDescription, 
+/**
+ * Placement; identity if left out.
+ */
+transform?: Transform, 
+/**
+ * Placement at which time, in order of time. Used by animation jobs.
+ */
+keyframes?: Array<TransformKeyframe>, };
+
+/**
+ * A Wavefront OBJ file.
+ */
+export type ObjGeometry = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * `.obj`, relative to the scene's folder and inside it.
+ */
+path: string, 
+/**
+ * Placement; identity if left out.
+ */
+transform?: Transform, 
+/**
+ * Placement at which time, in order of time. Used by animation jobs.
+ */
+keyframes?: Array<TransformKeyframe>, };
+
+/**
+ * Opens a built-in scene.
+ */
+export type OpenPreset = { 
+/**
+ * The client's input number.
+ */
+input: number, 
+/**
+ * A name of the welcome's `presets`.
+ */
+name: string, };
+
+/**
+ * Time of a pass on the device.
+ */
+export type PassTime = { 
+/**
+ * Name of the pass.
+ */
+name: string, 
+/**
+ * Unit: µs.
+ */
+micros: number, };
+
+/**
+ * Passes that run and passes that don't.
+ */
+export type Plan = { 
+/**
+ * In the order of execution.
+ */
+passes: Array<PlannedPass>, 
+/**
+ * With the reason why not.
+ */
+skipped: Array<PlannedPass>, };
+
+/**
+ * What each frame does.
+ */
+export type PlanMessage = { 
+/**
+ * The plan.
+ */
+plan: Plan, };
+
+/**
+ * A pass and why it runs or does not.
+ */
+export type PlannedPass = { 
+/**
+ * Name of the pass, as in pass times and metrics.
+ */
+pass: string, 
+/**
+ * Which of its shaders.
+ */
+variant: string, 
+/**
+ * Why.
+ */
+reason: string, };
+
+/**
+ * Isotropic point light.
+ */
+export type PointLightDescription = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Unit: m.
+ */
+position: [number, number, number], 
+/**
+ * Unit: W·sr⁻¹. Range: 0 to 1e12.
+ */
+intensity: Rgb, 
+/**
+ * Distances below this count as this in 1/d². Unit: m. Range: 1e−4 to 1000.
+ */
+radius: number, 
+/**
+ * Whether surfaces block this light.
+ */
+casts_shadows: boolean, };
+
+/**
+ * A built-in scene.
+ */
+export type Preset = { 
+/**
+ * For `open_preset` and URLs.
+ */
+name: string, 
+/**
+ * For people.
+ */
+title: string, 
+/**
+ * One sentence.
+ */
+summary: string, };
+
+/**
+ * A parallelogram.
+ */
+export type QuadGeometry = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Unit: m.
+ */
+corner: [number, number, number], 
+/**
+ * From `corner` along texture u. Unit: m.
+ */
+edge_u: [number, number, number], 
+/**
+ * From `corner` along texture v, upward in the image. Not parallel to `edge_u`. Unit: m.
+ */
+edge_v: [number, number, number], 
+/**
+ * Surface.
+ */
+material: MaterialDescription, 
+/**
+ * Placement; identity if left out.
+ */
+transform?: Transform, 
+/**
+ * Placement at which time, in order of time. Used by animation jobs.
+ */
+keyframes?: Array<TransformKeyframe>, };
+
+/**
+ * How to render.
+ */
+export type RenderDescription = { 
+/**
+ * What transports the light.
+ */
+technique: Technique, 
+/**
+ * Unit: pixel. Range: 1 to 16384.
+ */
+width: number, 
+/**
+ * Unit: pixel. Range: 1 to 16384.
+ */
+height: number, 
+/**
+ * Finished after so many samples a pixel. Range: 1 to 65536. 64 if no rule is given; at most
+ * one of `samples`, `time_seconds` and `relative_error`.
+ */
+samples?: number, 
+/**
+ * Finished after so many seconds of rendering. Unit: s. Range: 0.001 to 1e6.
+ */
+time_seconds?: number, 
+/**
+ * Finished when the estimated relative error falls below this. Range: 1e−5 to 1.
+ */
+relative_error?: number, 
+/**
+ * Seed of every random number. Range: 0 to 2⁵³ − 1, which every JSON reader keeps exactly.
+ */
+seed: number, 
+/**
+ * Settings of the `single_scattering` march.
+ */
+single_scattering: SingleScattering, 
+/**
+ * How visibility toward lights is found.
+ */
+shadows: Shadows, };
+
+/**
+ * Changes the size of the picture.
+ */
+export type Resize = { 
+/**
+ * The client's input number.
+ */
+input: number, 
+/**
+ * Unit: device pixel.
+ */
+width: number, 
+/**
+ * Unit: device pixel.
+ */
+height: number, };
+
+/**
+ * A linear Rec. 709 RGB triple; a single number in JSON stands for three equal channels.
+ */
+export type Rgb = number | [number, number, number];
+
+/**
+ * A scale along x, y and z; a single number in JSON stands for a uniform scale.
+ */
+export type Scale = number | [number, number, number];
+
+/**
+ * A whole scene.
+ */
+export type SceneDescription = { 
+/**
+ * Version of the format: 1.
+ */
+version: number, 
+/**
+ * Name shown to users. At most 200 characters.
+ */
+name: string, 
+/**
+ * The eye.
+ */
+camera: CameraDescription, 
+/**
+ * Surfaces. Shared, since edits never change it.
+ */
+geometry: Array<GeometryDescription>, 
+/**
+ * Lights, at most one of them an environment.
+ */
+lights: Array<LightDescription>, 
+/**
+ * Participating media; where they overlap their coefficients add up.
+ */
+media: Array<MediumDescription>, 
+/**
+ * How to render.
+ */
+render: RenderDescription, };
+
+/**
+ * A change to a scene. What is left out stays as it is; a list replaces the whole list.
+ */
+export type SceneEdit = { 
+/**
+ * The new camera.
+ */
+camera?: CameraDescription, 
+/**
+ * The camera's new exposure, after `camera`. Unit: EV. Range: −24 to 24.
+ */
+exposure_ev?: number, 
+/**
+ * All lights, the environment among them.
+ */
+lights?: Array<LightDescription>, 
+/**
+ * All media.
+ */
+media?: Array<MediumDescription>, 
+/**
+ * How to render.
+ */
+render?: RenderDescription, };
+
+/**
+ * Another scene is open.
+ */
+export type SceneMessage = { 
+/**
+ * Frames of this scene carry this number.
+ */
+epoch: number, 
+/**
+ * The scene's name.
+ */
+name: string, 
+/**
+ * The scene as it can be edited.
+ */
+description: SceneDescription, 
+/**
+ * What the planner knows about it.
+ */
+facts: Facts, 
+/**
+ * What was left out or approximated, one sentence each.
+ */
+warnings: Array<string>, };
+
+/**
+ * What the server says.
+ */
+export type ServerMessage = { "type": "welcome" } & Welcome | { "type": "scene" } & SceneMessage | { "type": "plan" } & PlanMessage | { "type": "stats" } & Stats | { "type": "error" } & ErrorMessage;
+
+/**
+ * Method of visibility.
+ */
+export type ShadowMode = "off" | "mapped" | "traced";
+
+/**
+ * How visibility toward lights is found.
+ */
+export type Shadows = { 
+/**
+ * Method.
+ */
+mode: ShadowMode, 
+/**
+ * Side of a shadow map. Unit: texel. Range: 16 to 8192.
+ */
+resolution: number, };
+
+/**
+ * Settings of the ray march.
+ */
+export type SingleScattering = { 
+/**
+ * Strata a ray, each sampled once. Range: 1 to 4096.
+ */
+steps: number, 
+/**
+ * Random position inside each stratum; otherwise its midpoint.
+ */
+jitter: boolean, };
+
+/**
+ * A tessellated sphere.
+ */
+export type SphereGeometry = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Unit: m.
+ */
+center: [number, number, number], 
+/**
+ * Unit: m. Range: 1e−6 to 1e6.
+ */
+radius: number, 
+/**
+ * Surface.
+ */
+material: MaterialDescription, 
+/**
+ * Placement; identity if left out.
+ */
+transform?: Transform, 
+/**
+ * Placement at which time, in order of time. Used by animation jobs.
+ */
+keyframes?: Array<TransformKeyframe>, };
+
+/**
+ * A soft ball.
+ */
+export type SphereMedium = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Scattering coefficient at density 1, together with `sigma_a`. Unit: m⁻¹.
+ * Range: 0 to 1e6.
+ */
+sigma_s?: Rgb, 
+/**
+ * Absorption coefficient at density 1, together with `sigma_s`. Unit: m⁻¹.
+ * Range: 0 to 1e6.
+ */
+sigma_a?: Rgb, 
+/**
+ * Extinction coefficient at density 1, together with `albedo`, instead of `sigma_s`
+ * and `sigma_a`. Unit: m⁻¹. Range: 0 to 1e6.
+ */
+sigma_t?: Rgb, 
+/**
+ * Scattered share of `sigma_t`. Range: 0 to 1.
+ */
+albedo?: Rgb, 
+/**
+ * Henyey–Greenstein mean cosine, +1 forward. Range: −0.999 to 0.999.
+ */
+g: number, 
+/**
+ * Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
+ */
+emission: Rgb, 
+/**
+ * Factor on all coefficients and the emission. Range: 0 to 1e6.
+ */
+density_scale: number, 
+/**
+ * Unit: m.
+ */
+center: [number, number, number], 
+/**
+ * Unit: m. Range: 1e−6 to 1e6.
+ */
+radius: number, };
+
+/**
+ * Point light restricted to a cone, with glTF's angular falloff.
+ */
+export type SpotLightDescription = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Unit: m.
+ */
+position: [number, number, number], 
+/**
+ * Axis of the cone, along propagation; any length above 1e−6.
+ */
+direction: [number, number, number], 
+/**
+ * On the axis. Unit: W·sr⁻¹. Range: 0 to 1e12.
+ */
+intensity: Rgb, 
+/**
+ * Full intensity inside. Unit: degree. Range: 0 to `outer_angle_degrees` − 0.01.
+ */
+inner_angle_degrees: number, 
+/**
+ * Dark outside. Unit: degree. Range: 0.1 to 89.9.
+ */
+outer_angle_degrees: number, 
+/**
+ * Distances below this count as this in 1/d². Unit: m. Range: 1e−4 to 1000.
+ */
+radius: number, 
+/**
+ * Whether surfaces block this light.
+ */
+casts_shadows: boolean, };
+
+/**
+ * About one frame.
+ */
+export type Stats = { 
+/**
+ * `frame_id` of the header.
+ */
+frame: number, 
+/**
+ * Accumulated samples a pixel.
+ */
+samples: number, 
+/**
+ * Whether the picture is final until something changes.
+ */
+converged: boolean, 
+/**
+ * Mean over pixels of the medium's transmittance. Range: 0 to 1.
+ */
+mean_transmittance: number, 
+/**
+ * Mean luminance before exposure. Unit: W·m⁻²·sr⁻¹.
+ */
+mean_luminance: number, 
+/**
+ * Pixels that were not finite; anything above 0 is a fault.
+ */
+non_finite: number, 
+/**
+ * Pixels that were negative; anything above 0 is a fault.
+ */
+negative: number, 
+/**
+ * Pixels that a named clamp changed.
+ */
+clamped: number, 
+/**
+ * Time of each pass on the device.
+ */
+pass_times: Array<PassTime>, 
+/**
+ * Time of the whole frame on the device. Unit: µs.
+ */
+render_micros: number, 
+/**
+ * Time of the encoder. Unit: µs.
+ */
+encode_micros: number, 
+/**
+ * Length of the frame message. Unit: byte.
+ */
+bytes: number, 
+/**
+ * What transported the light.
+ */
+technique: string, 
+/**
+ * Smoothed time from sending a frame to its acknowledgement. Unit: µs.
+ */
+round_trip_micros?: number, };
+
+/**
+ * What this server allows.
+ */
+export type StreamLimits = { 
+/**
+ * Largest picture. Unit: pixel.
+ */
+max_pixels: number, 
+/**
+ * Longest side of a picture. Unit: pixel.
+ */
+max_side: number, 
+/**
+ * Longest message. Unit: byte.
+ */
+max_message_bytes: number, 
+/**
+ * How long a dropped session can be resumed. Unit: s.
+ */
+resume_seconds: number, };
+
+/**
+ * What transports the light.
+ */
+export type Technique = "auto" | "single_scattering" | "instant_vpl" | "principal_ordinates" | "screen_space" | "reference";
+
+/**
+ * Scale, then rotation about x, then y, then z (the fixed axes), then translation.
+ */
+export type Transform = { 
+/**
+ * Unit: m.
+ */
+translation: [number, number, number], 
+/**
+ * About x, then y, then z. Unit: degree. Range: −36000 to 36000 each.
+ */
+rotation_degrees: [number, number, number], 
+/**
+ * Factors; magnitude 1e−6 to 1e6 each. A negative factor mirrors.
+ */
+scale: Scale, };
+
+/**
+ * A placement at one time.
+ */
+export type TransformKeyframe = { 
+/**
+ * Later than the keyframe before. Unit: s. Range: 0 to 1e6.
+ */
+time_seconds: number, 
+/**
+ * Placement at that time.
+ */
+transform: Transform, };
+
+/**
+ * Says whether anyone can see the picture.
+ */
+export type Visible = { 
+/**
+ * False for a hidden tab.
+ */
+visible: boolean, };
+
+/**
+ * Answers the hello.
+ */
+export type Welcome = { 
+/**
+ * [`PROTOCOL_VERSION`].
+ */
+protocol: number, 
+/**
+ * Version of the server.
+ */
+version: string, 
+/**
+ * Secret name of this session, for `resume`.
+ */
+session: string, 
+/**
+ * Whether the session that was asked for goes on.
+ */
+resumed: boolean, 
+/**
+ * What renders.
+ */
+adapter: Adapter, 
+/**
+ * Built-in scenes, the default first.
+ */
+presets: Array<Preset>, 
+/**
+ * What this server allows.
+ */
+limits: StreamLimits, };
