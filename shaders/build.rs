@@ -151,6 +151,13 @@ fn row(name: &str, file: &str, module: &naga::Module) -> String {
             "Binding {{ group: {group}, binding: {binding}, name: {item:?} }},"
         );
     }
+    row.push_str("], overrides: &[");
+    for (_, constant) in module.overrides.iter() {
+        let item = constant.name.as_deref().unwrap_or_default();
+        let item = item.split("__").next().unwrap_or_default();
+        let key = constant.id.expect("every override has an @id");
+        let _ = writeln!(row, "Override {{ name: {item:?}, key: \"{key}\" }},");
+    }
     row.push_str("] },\n");
     row
 }

@@ -6,4 +6,4 @@
 mod table;
 pub mod types;
 
-pub use table::{Binding, EntryPoint, Shader, Stage, all, shader};
+pub use table::{Binding, EntryPoint, Override, Shader, Stage, all, shader};

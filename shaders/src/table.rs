@@ -11,6 +11,17 @@ pub struct Shader {
     pub entry_points: &'static [EntryPoint],
     /// Its bindings, by group and number.
     pub bindings: &'static [Binding],
+    /// Its pipeline-overridable constants.
+    pub overrides: &'static [Override],
+}
+
+/// A constant that is given when a pipeline is built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Override {
+    /// Name in WESL.
+    pub name: &'static str,
+    /// `@id`, as WebGPU takes it.
+    pub key: &'static str,
 }
 
 /// An entry point of a shader.

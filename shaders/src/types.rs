@@ -82,14 +82,11 @@ mirrors! {
         sample_index: u32,
         seed: u32,
         background: [f32; 3],
-        light_count: u32,
-        medium_count: u32,
         march_steps: u32,
         march_jitter: u32,
         exposure_scale: f32,
         statistics_scale: f32,
         accumulated: u32,
-        padding: [u32; 2],
     }
 
     /// A light with a position or a direction.

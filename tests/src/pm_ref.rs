@@ -59,13 +59,15 @@ pub fn load(path: &Path) -> Result<SceneDescription, PmRefError> {
         file: path.to_owned(),
         source,
     };
-    let reference: Reference = parse_json(&text).map_err(scene)?;
-    if reference.schema != "pm-ref/1" {
+    // The schema first: what another one lacks should not hide the cause.
+    let Schema { schema } = parse_json(&text).map_err(scene)?;
+    if schema != "pm-ref/1" {
         return Err(PmRefError::Unsupported {
             file: path.to_owned(),
-            what: format!("schema \"{}\", expected \"pm-ref/1\"", reference.schema),
+            what: format!("schema \"{schema}\", expected \"pm-ref/1\""),
         });
     }
+    let reference: Reference = parse_json(&text).map_err(scene)?;
     let converted = json!({
         "version": 1,
         "name": reference.name,
@@ -90,8 +92,12 @@ pub fn load(path: &Path) -> Result<SceneDescription, PmRefError> {
 }
 
 #[derive(Deserialize)]
-struct Reference {
+struct Schema {
     schema: String,
+}
+
+#[derive(Deserialize)]
+struct Reference {
     name: String,
     camera: Camera,
     meshes: Vec<Mesh>,

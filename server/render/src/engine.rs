@@ -3,7 +3,7 @@
 use crate::device::Device;
 use crate::error::RenderError;
 use crate::gpu_scene::{Draw, GpuGeometry};
-use crate::programs::{Bindings, Programs, RasterTargets};
+use crate::programs::{Bindings, Constants, Programs, RasterTargets};
 use crate::timing::{FrameTiming, Timing};
 
 /// A frame being recorded.
@@ -13,6 +13,7 @@ pub(crate) struct Recording<'a> {
     pub encoder: wgpu::CommandEncoder,
     pub timing: &'a Timing,
     pub frame_timing: FrameTiming,
+    pub constants: Constants,
 }
 
 /// Attachments of a raster pass.
@@ -30,7 +31,12 @@ pub(crate) struct RasterDraw<'a> {
 }
 
 impl<'a> Recording<'a> {
-    pub fn new(device: &'a Device, programs: &'a Programs, timing: &'a Timing) -> Self {
+    pub fn new(
+        device: &'a Device,
+        programs: &'a Programs,
+        timing: &'a Timing,
+        constants: Constants,
+    ) -> Self {
         Self {
             device,
             programs,
@@ -41,6 +47,7 @@ impl<'a> Recording<'a> {
                 }),
             timing,
             frame_timing: FrameTiming::default(),
+            constants,
         }
     }
 
@@ -53,7 +60,9 @@ impl<'a> Recording<'a> {
         width: u32,
         height: u32,
     ) -> Result<(), RenderError> {
-        let program = self.programs.compute(self.device, variant)?;
+        let program = self
+            .programs
+            .compute(self.device, variant, self.constants)?;
         let groups = program.bind(self.device, bindings)?;
         let [x, y] = program.workgroups(width, height);
         let mut pass = self

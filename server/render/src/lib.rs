@@ -13,6 +13,8 @@ mod frame;
 mod gpu_scene;
 mod image;
 mod plan;
+#[cfg(feature = "probe")]
+pub mod probe;
 mod programs;
 mod readback;
 mod renderer;

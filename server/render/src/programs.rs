@@ -15,10 +15,37 @@ use crate::error::RenderError;
 /// Bind groups in the order of their indices.
 pub(crate) type Groups = Vec<(u32, wgpu::BindGroup)>;
 
-/// Cache of pipelines, by name of the permutation.
+/// Numbers that pipelines are built for; each shader takes those it declares.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub(crate) struct Constants {
+    pub medium_count: u32,
+    pub light_count: u32,
+}
+
+impl Constants {
+    fn value(self, name: &str) -> Option<f64> {
+        match name {
+            "MEDIUM_COUNT" => Some(f64::from(self.medium_count)),
+            "LIGHT_COUNT" => Some(f64::from(self.light_count)),
+            _ => None,
+        }
+    }
+
+    /// Those that `shader` declares, zero elsewhere: other values share its pipeline.
+    fn of(self, shader: &Shader) -> Self {
+        let declares = |name: &str| shader.overrides.iter().any(|o| o.name == name);
+        let kept = |value: u32, name: &str| if declares(name) { value } else { 0 };
+        Self {
+            medium_count: kept(self.medium_count, "MEDIUM_COUNT"),
+            light_count: kept(self.light_count, "LIGHT_COUNT"),
+        }
+    }
+}
+
+/// Cache of pipelines, by permutation and constants.
 #[derive(Debug, Default)]
 pub(crate) struct Programs {
-    compute: RefCell<HashMap<String, Arc<ComputeProgram>>>,
+    compute: RefCell<HashMap<(&'static str, Constants), Arc<ComputeProgram>>>,
     raster: RefCell<HashMap<String, Arc<RasterProgram>>>,
 }
 
@@ -95,12 +122,23 @@ impl<'a> Bindings<'a> {
 
 impl Programs {
     /// The compute pipeline of permutation `name`, built if this is its first use.
-    pub fn compute(&self, device: &Device, name: &str) -> Result<Arc<ComputeProgram>, RenderError> {
-        if let Some(program) = self.compute.borrow().get(name) {
+    pub fn compute(
+        &self,
+        device: &Device,
+        name: &str,
+        constants: Constants,
+    ) -> Result<Arc<ComputeProgram>, RenderError> {
+        let shader = find(name)?;
+        let key = (shader.name, constants.of(shader));
+        if let Some(program) = self.compute.borrow().get(&key) {
             return Ok(Arc::clone(program));
         }
-        let shader = find(name)?;
         let module = module(device, shader);
+        let values: Vec<(&str, f64)> = shader
+            .overrides
+            .iter()
+            .filter_map(|o| Some((o.key, constants.value(o.name)?)))
+            .collect();
         let pipeline = device
             .device
             .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -108,14 +146,15 @@ impl Programs {
                 layout: None,
                 module: &module,
                 entry_point: Some("main"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &values,
+                    ..Default::default()
+                },
                 cache: None,
             });
         device.check()?;
         let program = Arc::new(ComputeProgram { shader, pipeline });
-        self.compute
-            .borrow_mut()
-            .insert(name.to_owned(), Arc::clone(&program));
+        self.compute.borrow_mut().insert(key, Arc::clone(&program));
         Ok(program)
     }
 

@@ -13,7 +13,7 @@ use crate::frame;
 use crate::gpu_scene::{GpuGeometry, SampleValues};
 use crate::image::Work;
 use crate::plan::{PlanLimits, march_steps};
-use crate::programs::Programs;
+use crate::programs::{Constants, Programs};
 use crate::readback::{FrameMeta, statistics_scale, wait};
 use crate::self_test::SelfTest;
 use crate::supported::check_supported;
@@ -122,8 +122,13 @@ impl Renderer {
         }
         let started = Instant::now();
         if view.stale {
-            view.inputs
-                .upload_scene(&self.device, &view.scene, &view.geometry, &view.shadows);
+            view.inputs.upload_scene(
+                &self.device,
+                &view.scene,
+                &view.geometry,
+                &view.shadows,
+                view.shadow_mode(),
+            );
             view.stale = false;
         }
         let (width, height) = view.size();
@@ -140,7 +145,15 @@ impl Renderer {
             (width, height),
             sample,
         );
-        let mut recording = Recording::new(&self.device, &self.programs, &view.timing);
+        let mut recording = Recording::new(
+            &self.device,
+            &self.programs,
+            &view.timing,
+            Constants {
+                medium_count: view.scene.media.len() as u32,
+                light_count: view.scene.lights.len() as u32,
+            },
+        );
         let mut parts = ViewParts {
             geometry: &view.geometry,
             targets: &view.targets,

@@ -6,7 +6,7 @@
 
 use crate::device::Device;
 use crate::error::DeviceError;
-use crate::programs::{Bindings, Programs};
+use crate::programs::{Bindings, Constants, Programs};
 
 /// Iterations of the long loop: beyond the cap of the known faulty driver.
 const LONG: u32 = 200_000;
@@ -53,7 +53,7 @@ fn dispatch(device: &Device, single: u32, nested: u32) -> Result<Vec<u32>, Strin
     let size = u64::from(words) * 4;
     let programs = Programs::default();
     let program = programs
-        .compute(device, "self_test")
+        .compute(device, "self_test", Constants::default())
         .map_err(|error| error.to_string())?;
     let counts = device.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("self_test.counts"),

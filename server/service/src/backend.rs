@@ -67,7 +67,9 @@ impl Wgpu {
     /// [`ServeError::Device`] and [`ServeError::Renderer`].
     pub fn open(options: &DeviceOptions) -> Result<Self, ServeError> {
         let device = Device::open(options)?;
-        Ok(Self { renderer: Renderer::new(device)? })
+        Ok(Self {
+            renderer: Renderer::new(device)?,
+        })
     }
 }
 

@@ -28,7 +28,10 @@ impl Bell {
         let mut rung = lock(&self.rung);
         while !*rung {
             rung = match deadline {
-                None => self.changed.wait(rung).unwrap_or_else(PoisonError::into_inner),
+                None => self
+                    .changed
+                    .wait(rung)
+                    .unwrap_or_else(PoisonError::into_inner),
                 Some(deadline) => {
                     let left = deadline.saturating_duration_since(Instant::now());
                     if left.is_zero() {

@@ -54,7 +54,10 @@ impl EncoderPool {
     /// Starts `threads` threads, at least one.
     pub(crate) fn start(threads: usize) -> Result<Self, ServeError> {
         let shared = Arc::new(Shared::default());
-        let fault = |reason: String| ServeError::Thread { name: "encoder", reason };
+        let fault = |reason: String| ServeError::Thread {
+            name: "encoder",
+            reason,
+        };
         let threads = (0..threads.max(1))
             .map(|_| {
                 let encoder = Encoder::new().map_err(|error| fault(error.to_string()))?;
@@ -71,7 +74,10 @@ impl EncoderPool {
     /// Hands a frame over; one of the same session that still waits is dropped for it.
     pub(crate) fn submit(&self, job: Job) {
         let mut queue = lock(&self.shared.queue);
-        let waiting = queue.jobs.iter_mut().find(|waiting| waiting.session.id == job.session.id);
+        let waiting = queue
+            .jobs
+            .iter_mut()
+            .find(|waiting| waiting.session.id == job.session.id);
         if let Some(waiting) = waiting {
             let dropped = std::mem::replace(waiting, job);
             drop(queue);
@@ -138,12 +144,18 @@ fn next(shared: &Shared) -> Option<Job> {
         if queue.closed {
             return None;
         }
-        let free = queue.jobs.iter().position(|job| !queue.busy.contains(&job.session.id));
+        let free = queue
+            .jobs
+            .iter()
+            .position(|job| !queue.busy.contains(&job.session.id));
         if let Some(job) = free.and_then(|position| queue.jobs.remove(position)) {
             queue.busy.insert(job.session.id);
             return Some(job);
         }
-        queue = shared.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
+        queue = shared
+            .changed
+            .wait(queue)
+            .unwrap_or_else(PoisonError::into_inner);
     }
 }
 
@@ -156,7 +168,13 @@ enum FrameError {
 }
 
 fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
-    let Job { session, frame, frame_id, wish, software } = job;
+    let Job {
+        session,
+        frame,
+        frame_id,
+        wish,
+        software,
+    } = job;
     let start = Instant::now();
     let (choice, round_trip) = {
         let pacing = lock(&session.pacing);
@@ -164,7 +182,11 @@ fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
         (pacing.choose(tier, wish.accepts), pacing.round_trip())
     };
     let mut message = vec![0; HEADER_BYTES];
-    let picture = Picture { width: frame.width, height: frame.height, rgba: &frame.rgba };
+    let picture = Picture {
+        width: frame.width,
+        height: frame.height,
+        rgba: &frame.rgba,
+    };
     encoder.encode(picture, choice, &mut message)?;
     let time = start.elapsed();
     telemetry::frame_encoded(time);
@@ -197,7 +219,10 @@ fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
         pass_times: frame
             .pass_times
             .iter()
-            .map(|pass| PassTime { name: pass.name.to_string(), micros: pass.micros })
+            .map(|pass| PassTime {
+                name: pass.name.to_string(),
+                micros: pass.micros,
+            })
             .collect(),
         render_micros: frame.render_micros,
         encode_micros: header.encode_micros,
@@ -205,7 +230,11 @@ fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
         technique: technique(wish.scene.render.technique).to_owned(),
         round_trip_micros: round_trip.map(|time| time.as_micros() as u64),
     };
-    Ok(EncodedFrame { header, message: message.into(), stats })
+    Ok(EncodedFrame {
+        header,
+        message: message.into(),
+        stats,
+    })
 }
 
 /// The technique's one name: JSON key, file, metric label.

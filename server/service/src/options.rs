@@ -100,7 +100,7 @@ impl Default for ServiceLimits {
             max_side: 8192,
             max_message_bytes: 1 << 20,
             max_body_bytes: 4 << 20,
-            resume_for: Duration::from_secs(60),
+            resume_for: Duration::from_mins(1),
             hello_within: Duration::from_secs(5),
             ping_every: Duration::from_secs(10),
             send_within: Duration::from_secs(20),
@@ -114,13 +114,17 @@ impl Default for ServiceLimits {
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
     /// A public address without a secret.
-    #[error("{bind} is not a loopback address: anyone who reaches it could use this machine's renderer; set a token (--token or TYNDALL_TOKEN), or bind 127.0.0.1")]
+    #[error(
+        "{bind} is not a loopback address: anyone who reaches it could use this machine's renderer; set a token (--token or TYNDALL_TOKEN), or bind 127.0.0.1"
+    )]
     TokenNeeded {
         /// The address asked for.
         bind: SocketAddr,
     },
     /// A secret that is none.
-    #[error("the token must be at least {MIN_TOKEN_LENGTH} printable ASCII characters without spaces")]
+    #[error(
+        "the token must be at least {MIN_TOKEN_LENGTH} printable ASCII characters without spaces"
+    )]
     TokenUnfit,
     /// The scene uses something that this version does not render.
     #[error(transparent)]

@@ -34,9 +34,18 @@ impl EncodedFrame {
             ..self.header
         };
         let mut message = self.message.to_vec();
-        message.get_mut(..HEADER_BYTES)?.copy_from_slice(&header.encode().ok()?);
-        let stats = Stats { frame: frame_id, ..self.stats.clone() };
-        Some(Self { header, message: message.into(), stats })
+        message
+            .get_mut(..HEADER_BYTES)?
+            .copy_from_slice(&header.encode().ok()?);
+        let stats = Stats {
+            frame: frame_id,
+            ..self.stats.clone()
+        };
+        Some(Self {
+            header,
+            message: message.into(),
+            stats,
+        })
     }
 }
 
@@ -96,6 +105,11 @@ impl Outbox {
         drop(slots);
         self.filled.notify_one();
         unsent
+    }
+
+    /// Whether a frame waits to be sent.
+    pub(crate) fn holds_frame(&self) -> bool {
+        lock(&self.slots).frame.is_some()
     }
 
     /// The newest frame there was, sent or not.

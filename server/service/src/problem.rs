@@ -33,9 +33,10 @@ pub const fn status_and_title(code: ErrorCode) -> (StatusCode, &'static str) {
     match code {
         ErrorCode::Malformed => (StatusCode::BAD_REQUEST, "the request cannot be read"),
         ErrorCode::NotFound => (StatusCode::NOT_FOUND, "there is no such thing"),
-        ErrorCode::MethodNotAllowed => {
-            (StatusCode::METHOD_NOT_ALLOWED, "the address does not take this method")
-        }
+        ErrorCode::MethodNotAllowed => (
+            StatusCode::METHOD_NOT_ALLOWED,
+            "the address does not take this method",
+        ),
         ErrorCode::Unauthorized => (StatusCode::UNAUTHORIZED, "a token is needed"),
         ErrorCode::OriginRefused => (StatusCode::FORBIDDEN, "the page is not of this server"),
         ErrorCode::TooLarge => (StatusCode::PAYLOAD_TOO_LARGE, "the body is too long"),
@@ -43,9 +44,10 @@ pub const fn status_and_title(code: ErrorCode) -> (StatusCode, &'static str) {
             (StatusCode::UNSUPPORTED_MEDIA_TYPE, "the body must be JSON")
         }
         ErrorCode::InvalidScene => (StatusCode::UNPROCESSABLE_ENTITY, "the scene is wrong"),
-        ErrorCode::NotRenderedYet => {
-            (StatusCode::UNPROCESSABLE_ENTITY, "the scene uses what is not rendered yet")
-        }
+        ErrorCode::NotRenderedYet => (
+            StatusCode::UNPROCESSABLE_ENTITY,
+            "the scene uses what is not rendered yet",
+        ),
         ErrorCode::InvalidSize => (StatusCode::UNPROCESSABLE_ENTITY, "the size is not allowed"),
         ErrorCode::ProtocolVersion => (StatusCode::BAD_REQUEST, "the protocol is not spoken here"),
         ErrorCode::HelloExpected => (StatusCode::BAD_REQUEST, "a hello must come first"),
@@ -62,7 +64,13 @@ impl Problem {
     /// A problem with this occurrence in words.
     pub fn new(code: ErrorCode, detail: impl Into<String>) -> Self {
         let (status, title) = status_and_title(code);
-        Self { code, title, status: status.as_u16(), detail: detail.into(), path: None }
+        Self {
+            code,
+            title,
+            status: status.as_u16(),
+            detail: detail.into(),
+            path: None,
+        }
     }
 }
 
@@ -72,7 +80,10 @@ impl From<&SceneError> for Problem {
             SceneError::Syntax { .. } => ErrorCode::Malformed,
             _ => ErrorCode::InvalidScene,
         };
-        Self { path: error.path().map(str::to_owned), ..Self::new(code, error.to_string()) }
+        Self {
+            path: error.path().map(str::to_owned),
+            ..Self::new(code, error.to_string())
+        }
     }
 }
 

@@ -37,7 +37,9 @@ pub(crate) struct Readiness {
 
 impl Readiness {
     pub(crate) fn new() -> Self {
-        Self { ready: AtomicBool::new(false) }
+        Self {
+            ready: AtomicBool::new(false),
+        }
     }
 
     pub(crate) fn get(&self) -> bool {
@@ -58,7 +60,10 @@ pub(crate) async fn start<B: Backend + 'static>(
     readiness: Arc<Readiness>,
     shutdown: CancellationToken,
 ) -> Result<(JoinHandle<()>, Adapter), ServeError> {
-    let fault = |reason: String| ServeError::Thread { name: "render", reason };
+    let fault = |reason: String| ServeError::Thread {
+        name: "render",
+        reason,
+    };
     let (tell, told) = tokio::sync::oneshot::channel();
     let thread = std::thread::Builder::new()
         .name("render".to_owned())
@@ -118,7 +123,14 @@ struct Seat<V> {
 
 impl<V> Seat<V> {
     fn new(session: Arc<Session>) -> Self {
-        Self { session, view: None, shown: None, rendering: None, answered: None, refused: None }
+        Self {
+            session,
+            view: None,
+            shown: None,
+            rendering: None,
+            answered: None,
+            refused: None,
+        }
     }
 
     /// Forgets everything on the device.
@@ -205,7 +217,8 @@ impl<B: Backend> RenderThread<B> {
     /// Gives new sessions a seat and frees those of sessions that are gone.
     fn seat_sessions(&mut self) {
         let list = self.sessions.list();
-        self.seats.retain(|seat| list.iter().any(|session| session.id == seat.session.id));
+        self.seats
+            .retain(|seat| list.iter().any(|session| session.id == seat.session.id));
         for session in list {
             if !self.seats.iter().any(|seat| seat.session.id == session.id) {
                 self.seats.push(Seat::new(session));
@@ -220,18 +233,33 @@ impl<B: Backend> RenderThread<B> {
         };
         let now = Instant::now();
         let wish = seat.session.wish();
-        let refused = seat.refused.as_ref().is_some_and(|refused| same_picture(refused, &wish));
+        let refused = seat
+            .refused
+            .as_ref()
+            .is_some_and(|refused| same_picture(refused, &wish));
         // One frame on the device at a time: a second one would show an older camera.
         if !wish.watched || refused || seat.rendering.is_some() {
             return Ok(Looked::Nothing);
         }
-        let changed = seat.shown.as_ref().is_none_or(|shown| !same_picture(shown, &wish));
-        let finished = seat.view.as_ref().is_some_and(|view| backend.is_converged(view));
+        let changed = seat
+            .shown
+            .as_ref()
+            .is_none_or(|shown| !same_picture(shown, &wish));
+        let finished = seat
+            .view
+            .as_ref()
+            .is_some_and(|view| backend.is_converged(view));
         if finished && !changed {
-            answer_again(seat, wish, now);
+            answer_again(seat, &wish, now);
             return Ok(Looked::Nothing);
         }
         if !lock(&seat.session.pacing).is_open(now) {
+            return Ok(Looked::Nothing);
+        }
+        // More samples of what the client has not even fetched would replace it and be work for
+        // nothing; a newer input is worth it.
+        let current = seat.answered == Some((wish.input, wish.epoch));
+        if current && seat.session.outbox.holds_frame() {
             return Ok(Looked::Nothing);
         }
         update(backend, seat, &wish)?;
@@ -249,7 +277,7 @@ impl<B: Backend> RenderThread<B> {
             }
             Ok(RenderOutcome::Converged) => {
                 lock(&seat.session.pacing).discard(frame_id);
-                answer_again(seat, wish, now);
+                answer_again(seat, &wish, now);
                 Ok(Looked::Nothing)
             }
             Ok(RenderOutcome::RingFull) => {
@@ -275,7 +303,9 @@ impl<B: Backend> RenderThread<B> {
                 any = true;
                 telemetry::frame_rendered(&frame);
                 let ours = |(frame_id, _): &mut (u32, Wish)| u64::from(*frame_id) == frame.tag;
-                let Some((frame_id, wish)) = seat.rendering.take_if(ours) else { continue };
+                let Some((frame_id, wish)) = seat.rendering.take_if(ours) else {
+                    continue;
+                };
                 self.encoders.submit(Job {
                     session: Arc::clone(&seat.session),
                     frame,
@@ -292,8 +322,14 @@ impl<B: Backend> RenderThread<B> {
     fn rest(&self) {
         let wants = |seat: &&Seat<B::View>| {
             let wish = seat.session.wish();
-            let changed = seat.shown.as_ref().is_none_or(|shown| !same_picture(shown, &wish));
-            let refused = seat.refused.as_ref().is_some_and(|r| same_picture(r, &wish));
+            let changed = seat
+                .shown
+                .as_ref()
+                .is_none_or(|shown| !same_picture(shown, &wish));
+            let refused = seat
+                .refused
+                .as_ref()
+                .is_some_and(|r| same_picture(r, &wish));
             let finished = match (&self.backend, &seat.view) {
                 (Some(backend), Some(view)) => backend.is_converged(view),
                 _ => false,
@@ -301,7 +337,9 @@ impl<B: Backend> RenderThread<B> {
             wish.watched && !refused && (changed || !finished)
         };
         let due = self.seats.iter().filter(wants);
-        let deadline = due.filter_map(|seat| lock(&seat.session.pacing).next_deadline()).min();
+        let deadline = due
+            .filter_map(|seat| lock(&seat.session.pacing).next_deadline())
+            .min();
         self.sessions.bell.wait(deadline);
     }
 
@@ -378,7 +416,7 @@ impl<B: Backend> RenderThread<B> {
 
 /// Sends the last picture again when it is finished and answers a newer input or connection too:
 /// an input that changed nothing still gets its answer, a resumed page its picture.
-fn answer_again<V>(seat: &mut Seat<V>, wish: Wish, now: Instant) {
+fn answer_again<V>(seat: &mut Seat<V>, wish: &Wish, now: Instant) {
     let mut pacing = lock(&seat.session.pacing);
     // While frames are on their way an encoder may hold a newer picture than the last one.
     if seat.answered == Some((wish.input, wish.epoch)) || pacing.in_flight() > 0 {
@@ -406,20 +444,17 @@ fn update<B: Backend>(
     seat: &mut Seat<B::View>,
     wish: &Wish,
 ) -> Result<(), RenderError> {
-    let view = match (&mut seat.view, &seat.shown) {
-        (Some(view), Some(shown)) => {
-            if (shown.width, shown.height) != (wish.width, wish.height) {
-                backend.resize_view(view, wish.width, wish.height)?;
-            }
-            if !Arc::ptr_eq(&shown.scene, &wish.scene) {
-                backend.update_view(view, Arc::clone(&wish.scene))?;
-            }
-            view
+    let view = if let (Some(view), Some(shown)) = (&mut seat.view, &seat.shown) {
+        if (shown.width, shown.height) != (wish.width, wish.height) {
+            backend.resize_view(view, wish.width, wish.height)?;
         }
-        _ => {
-            let view = backend.create_view(Arc::clone(&wish.scene), wish.width, wish.height)?;
-            seat.view.insert(view)
+        if !Arc::ptr_eq(&shown.scene, &wish.scene) {
+            backend.update_view(view, Arc::clone(&wish.scene))?;
         }
+        view
+    } else {
+        let view = backend.create_view(Arc::clone(&wish.scene), wish.width, wish.height)?;
+        seat.view.insert(view)
     };
     seat.session.outbox.set_plan(backend.plan(view));
     seat.shown = Some(wish.clone());
@@ -429,10 +464,18 @@ fn update<B: Backend>(
 
 /// Whether only another device helps.
 fn is_loss(error: &RenderError) -> bool {
-    matches!(error, RenderError::DeviceLost(_) | RenderError::Timeout { .. })
+    matches!(
+        error,
+        RenderError::DeviceLost(_) | RenderError::Timeout { .. }
+    )
 }
 
 fn tell(session: &Session, message: String, input: Option<u64>) {
     let code = ErrorCode::RenderFailed;
-    session.outbox.push(ServerMessage::Error(ErrorMessage { code, path: None, message, input }));
+    session.outbox.push(ServerMessage::Error(ErrorMessage {
+        code,
+        path: None,
+        message,
+        input,
+    }));
 }

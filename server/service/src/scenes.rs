@@ -46,20 +46,30 @@ pub(crate) struct Scenes {
 
 impl Scenes {
     pub(crate) fn new(first: Loaded) -> Self {
-        Self { first: Arc::new(first), presets: Mutex::default(), building: Semaphore::new(1) }
+        Self {
+            first: Arc::new(first),
+            presets: Mutex::default(),
+            building: Semaphore::new(1),
+        }
     }
 
     /// A preset, built on the blocking threads if nobody asked for it before.
     pub(crate) async fn preset(&self, name: &str) -> Result<Arc<Loaded>, BuildError> {
         let known = presets::names().iter().any(|preset| preset.name == name);
-        let missing = || BuildError::NoSuchPreset { name: name.chars().take(80).collect() };
+        let missing = || BuildError::NoSuchPreset {
+            name: name.chars().take(80).collect(),
+        };
         if !known {
             return Err(missing());
         }
         if let Some(built) = lock(&self.presets).get(name) {
             return Ok(Arc::clone(built));
         }
-        let _permit = self.building.acquire().await.map_err(|_closed| BuildError::BrokenOff)?;
+        let _permit = self
+            .building
+            .acquire()
+            .await
+            .map_err(|_closed| BuildError::BrokenOff)?;
         if let Some(built) = lock(&self.presets).get(name) {
             return Ok(Arc::clone(built));
         }
@@ -76,7 +86,11 @@ impl Scenes {
 
     /// The plan of any scene that refers to no files.
     pub(crate) async fn plan_of(&self, text: String) -> Result<PlanReply, BuildError> {
-        let _permit = self.building.acquire().await.map_err(|_closed| BuildError::BrokenOff)?;
+        let _permit = self
+            .building
+            .acquire()
+            .await
+            .map_err(|_closed| BuildError::BrokenOff)?;
         let parsed = tokio::task::spawn_blocking(move || SceneDescription::from_json(&text));
         let description = parsed.await.map_err(|_join| BuildError::BrokenOff)??;
         plan(&on_blocking_thread(description).await?)

@@ -140,7 +140,10 @@ async fn drain(app: &App, background: &TaskTracker) {
         app.sockets.wait().await;
         background.wait().await;
     };
-    if tokio::time::timeout(app.limits.drain_within, drained).await.is_err() {
+    if tokio::time::timeout(app.limits.drain_within, drained)
+        .await
+        .is_err()
+    {
         tracing::warn!("some connections did not close in time");
     }
 }
@@ -148,7 +151,10 @@ async fn drain(app: &App, background: &TaskTracker) {
 /// Ends the render thread, and with it the encoders.
 async fn join(thread: std::thread::JoinHandle<()>, app: &App) -> Result<(), ServeError> {
     app.sessions.bell.ring();
-    let fault = |reason: &str| ServeError::Thread { name: "render", reason: reason.to_owned() };
+    let fault = |reason: &str| ServeError::Thread {
+        name: "render",
+        reason: reason.to_owned(),
+    };
     let joined = tokio::task::spawn_blocking(move || thread.join());
     match tokio::time::timeout(app.limits.drain_within, joined).await {
         Ok(Ok(Ok(()))) => Ok(()),
@@ -171,7 +177,10 @@ fn announce(address: SocketAddr, port_file: Option<&std::path::Path>) -> Result<
     let written = path.with_extension("part");
     std::fs::write(&written, format!("{address}\n"))
         .and_then(|()| std::fs::rename(&written, path))
-        .map_err(|source| ServeError::PortFile { path: path.to_owned(), source })
+        .map_err(|source| ServeError::PortFile {
+            path: path.to_owned(),
+            source,
+        })
 }
 
 /// Folds histogram samples into their buckets; they would pile up between scrapes.

@@ -32,7 +32,12 @@ impl Refusal {
             Self::Scene(error) => (ErrorCode::InvalidScene, error.path()),
             Self::NotRenderedYet(_) => (ErrorCode::NotRenderedYet, None),
         };
-        ErrorMessage { code, path: path.map(str::to_owned), message: self.to_string(), input }
+        ErrorMessage {
+            code,
+            path: path.map(str::to_owned),
+            message: self.to_string(),
+            input,
+        }
     }
 }
 
@@ -105,7 +110,10 @@ impl Session {
     pub(crate) fn wish(&self) -> Wish {
         let state = lock(&self.state);
         let watched = state.visible && state.dropped.is_none();
-        Wish { watched, ..state.wish.clone() }
+        Wish {
+            watched,
+            ..state.wish.clone()
+        }
     }
 
     /// Gives the session to another connection and returns that connection's number.
@@ -145,7 +153,11 @@ impl Session {
     pub(crate) async fn taken_from(&self, connection: u64) {
         let mut receiver = self.connection.subscribe();
         // The sender lives as long as `self`, so this ends only by a change.
-        if receiver.wait_for(|&owner| owner != connection).await.is_err() {
+        if receiver
+            .wait_for(|&owner| owner != connection)
+            .await
+            .is_err()
+        {
             std::future::pending::<()>().await;
         }
     }
@@ -179,7 +191,14 @@ impl Session {
                 ..state.description.camera.clone()
             }
         };
-        self.edit(input, &SceneEdit { camera: Some(camera), ..SceneEdit::default() }, now)
+        self.edit(
+            input,
+            &SceneEdit {
+                camera: Some(camera),
+                ..SceneEdit::default()
+            },
+            now,
+        )
     }
 
     /// Changes the open scene; on an error the old state stays.

@@ -47,8 +47,15 @@ impl Sessions {
     /// Whether another client could be connected now.
     pub(crate) fn check_room(&self) -> Result<(), TooManySessions> {
         let sessions = lock(&self.by_token);
-        let connected = sessions.values().filter(|session| session.dropped().is_none()).count();
-        if connected < self.limit { Ok(()) } else { Err(TooManySessions { limit: self.limit }) }
+        let connected = sessions
+            .values()
+            .filter(|session| session.dropped().is_none())
+            .count();
+        if connected < self.limit {
+            Ok(())
+        } else {
+            Err(TooManySessions { limit: self.limit })
+        }
     }
 
     /// Opens a session; the one that was dropped longest ago makes room if needed.
@@ -58,14 +65,18 @@ impl Sessions {
         accepts: Accepts,
     ) -> Result<Arc<Session>, TooManySessions> {
         let too_many = TooManySessions { limit: self.limit };
-        let id = self.next_id.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let id = self
+            .next_id
+            .fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let Some(token) = random_token() else {
             tracing::error!("the system gives no random numbers; the session is refused");
             return Err(too_many);
         };
         let mut sessions = lock(&self.by_token);
         if sessions.len() >= self.limit {
-            let waiting = sessions.values().filter_map(|s| Some((s.dropped()?, s.token.clone())));
+            let waiting = sessions
+                .values()
+                .filter_map(|s| Some((s.dropped()?, s.token.clone())));
             let (_, oldest) = waiting.min().ok_or(too_many)?;
             sessions.remove(&oldest);
         }
@@ -123,7 +134,9 @@ impl Sessions {
     fn forget_expired(&self, now: Instant) {
         let mut sessions = lock(&self.by_token);
         sessions.retain(|_, session| {
-            session.dropped().is_none_or(|at| now.saturating_duration_since(at) < self.resume_for)
+            session
+                .dropped()
+                .is_none_or(|at| now.saturating_duration_since(at) < self.resume_for)
         });
         telemetry::sessions(sessions.len());
         drop(sessions);

@@ -28,7 +28,9 @@ pub(crate) fn install() -> Result<PrometheusHandle, ServeError> {
         let builder = PrometheusBuilder::new()
             .set_buckets_for_metric(Matcher::Suffix("_seconds".to_owned()), TIME_BUCKETS)
             .map_err(|error| error.to_string())?;
-        let handle = builder.install_recorder().map_err(|error| error.to_string())?;
+        let handle = builder
+            .install_recorder()
+            .map_err(|error| error.to_string())?;
         describe();
         Ok(handle)
     });
@@ -36,22 +38,55 @@ pub(crate) fn install() -> Result<PrometheusHandle, ServeError> {
 }
 
 fn describe() {
-    describe_counter!("tyndall_frames_rendered_total", "Frames the device has finished");
+    describe_counter!(
+        "tyndall_frames_rendered_total",
+        "Frames the device has finished"
+    );
     describe_counter!("tyndall_frames_sent_total", "Frames handed to a socket");
-    describe_counter!("tyndall_frames_dropped_total", "Frames replaced by newer ones before sending");
-    describe_counter!("tyndall_bytes_sent_total", "Bytes of frames handed to a socket");
-    describe_counter!("tyndall_non_finite_pixels_total", "Pixels that were not finite: a fault");
-    describe_counter!("tyndall_negative_pixels_total", "Pixels that were negative: a fault");
-    describe_counter!("tyndall_clamped_pixels_total", "Pixels that a named clamp changed");
-    describe_counter!("tyndall_render_errors_total", "Frames or pictures the renderer refused");
+    describe_counter!(
+        "tyndall_frames_dropped_total",
+        "Frames replaced by newer ones before sending"
+    );
+    describe_counter!(
+        "tyndall_bytes_sent_total",
+        "Bytes of frames handed to a socket"
+    );
+    describe_counter!(
+        "tyndall_non_finite_pixels_total",
+        "Pixels that were not finite: a fault"
+    );
+    describe_counter!(
+        "tyndall_negative_pixels_total",
+        "Pixels that were negative: a fault"
+    );
+    describe_counter!(
+        "tyndall_clamped_pixels_total",
+        "Pixels that a named clamp changed"
+    );
+    describe_counter!(
+        "tyndall_render_errors_total",
+        "Frames or pictures the renderer refused"
+    );
     describe_counter!("tyndall_device_lost_total", "Times the device was lost");
-    describe_counter!("tyndall_malformed_messages_total", "Messages of clients that were refused");
-    describe_gauge!("tyndall_sessions", "Sessions connected or waiting to be resumed");
+    describe_counter!(
+        "tyndall_malformed_messages_total",
+        "Messages of clients that were refused"
+    );
+    describe_gauge!(
+        "tyndall_sessions",
+        "Sessions connected or waiting to be resumed"
+    );
     describe_gauge!("tyndall_ready", "1 while the renderer works");
-    describe_histogram!("tyndall_frame_render_seconds", "Time of a frame on the device");
+    describe_histogram!(
+        "tyndall_frame_render_seconds",
+        "Time of a frame on the device"
+    );
     describe_histogram!("tyndall_encode_seconds", "Time of compressing a frame");
     describe_histogram!("tyndall_pass_seconds", "Time of a pass on the device");
-    describe_histogram!("tyndall_round_trip_seconds", "From sending a frame to its acknowledgement");
+    describe_histogram!(
+        "tyndall_round_trip_seconds",
+        "From sending a frame to its acknowledgement"
+    );
     // Present from the start, so that a rate over them exists before the first event.
     for name in [
         "tyndall_frames_rendered_total",

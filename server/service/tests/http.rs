@@ -27,11 +27,18 @@ async fn unknown_addresses_and_methods_are_problems() {
     ] {
         let (found, head, body) = server.http(request, "").await;
         assert_eq!(found, status, "{request}: {body}");
-        assert!(head.contains("content-type: application/problem+json"), "{request}: {head}");
+        assert!(
+            head.contains("content-type: application/problem+json"),
+            "{request}: {head}"
+        );
         let problem = parsed(&body);
         assert_eq!(problem["code"], code, "{request}");
         assert_eq!(problem["status"], status);
-        assert!(problem["detail"].as_str().is_some_and(|detail| !detail.is_empty()));
+        assert!(
+            problem["detail"]
+                .as_str()
+                .is_some_and(|detail| !detail.is_empty())
+        );
     }
     server.stop().await;
 }
@@ -60,7 +67,10 @@ async fn health_version_presets_schema_and_metrics() {
     assert_eq!(server.get("/livez").await.0, 200);
     assert_eq!(server.get("/readyz").await.0, 200);
     let version = parsed(&server.get("/version").await.2);
-    assert_eq!((&version["name"], &version["protocol"]), (&json!("tyndall"), &json!(1)));
+    assert_eq!(
+        (&version["name"], &version["protocol"]),
+        (&json!("tyndall"), &json!(1))
+    );
     let presets = parsed(&server.get("/v1/presets").await.2);
     let name = presets[0]["name"].as_str().unwrap().to_owned();
     let preset = parsed(&server.get(&format!("/v1/presets/{name}")).await.2);
@@ -99,12 +109,18 @@ async fn plan_of_a_posted_scene_or_its_first_error() {
     let reply = parsed(&body);
     assert_eq!(reply["facts"]["triangles"], 12);
     assert!(reply["plan"]["passes"].is_array());
-    let bad = good.replace("\"falloff\"", "\"fall\"").replace("\"version\": 1", "\"version\": 7");
+    let bad = good
+        .replace("\"falloff\"", "\"fall\"")
+        .replace("\"version\": 1", "\"version\": 7");
     let (status, _, body) = server.http(post, &bad).await;
     assert_eq!(status, 422, "{body}");
     assert_eq!(parsed(&body)["path"], "version");
     assert_eq!(server.http(post, "{").await.0, 400);
-    let file = good.replacen("\"kind\": \"box\"", "\"kind\": \"obj\", \"path\": \"/etc/passwd\"", 1);
+    let file = good.replacen(
+        "\"kind\": \"box\"",
+        "\"kind\": \"obj\", \"path\": \"/etc/passwd\"",
+        1,
+    );
     assert_eq!(server.http(post, &file).await.0, 422);
     server.stop().await;
     let mut small = options(scene(1));
@@ -121,7 +137,11 @@ async fn stream_is_refused_to_pages_of_other_sites() {
     let origin = |text: String| [("origin", text)];
     let port = server.address.port();
     let own = format!("http://127.0.0.1:{port}");
-    assert!(Client::connect_with(&server, "", &origin(own)).await.is_ok());
+    assert!(
+        Client::connect_with(&server, "", &origin(own))
+            .await
+            .is_ok()
+    );
     for foreign in [
         "http://example.org".to_owned(),
         format!("http://example.org:{port}"),
@@ -134,7 +154,10 @@ async fn stream_is_refused_to_pages_of_other_sites() {
     // A name that an attacker makes resolve to this machine.
     let rebound = format!("evil.example.org:{port}");
     let headers = [("origin", format!("http://{rebound}")), ("host", rebound)];
-    assert_eq!(Client::connect_with(&server, "", &headers).await.err(), Some(403));
+    assert_eq!(
+        Client::connect_with(&server, "", &headers).await.err(),
+        Some(403)
+    );
     server.stop().await;
     let mut behind_gateway = options(scene(1));
     behind_gateway.allowed_origins = vec!["https://tyndall.example.org".to_owned()];
@@ -152,15 +175,30 @@ async fn token_guards_everything_but_page_and_probes() {
     for path in ["/", "/livez", "/readyz", "/version"] {
         assert_eq!(server.get(path).await.0, 200, "{path}");
     }
-    for path in ["/v1/presets", "/v1/schema", "/metrics", "/v1/presets?token=wrong-token"] {
+    for path in [
+        "/v1/presets",
+        "/v1/schema",
+        "/metrics",
+        "/v1/presets?token=wrong-token",
+    ] {
         let (status, head, body) = server.get(path).await;
-        assert_eq!((status, &parsed(&body)["code"]), (401, &json!("unauthorized")), "{path}");
+        assert_eq!(
+            (status, &parsed(&body)["code"]),
+            (401, &json!("unauthorized")),
+            "{path}"
+        );
         assert!(head.contains("www-authenticate: bearer"));
     }
-    assert_eq!(server.get(&format!("/v1/presets?token={TOKEN}")).await.0, 200);
+    assert_eq!(
+        server.get(&format!("/v1/presets?token={TOKEN}")).await.0,
+        200
+    );
     let bearer = format!("GET /metrics\nAuthorization: Bearer {TOKEN}");
     assert_eq!(server.http(&bearer, "").await.0, 200);
-    assert_eq!(Client::connect_with(&server, "", &[]).await.err(), Some(401));
+    assert_eq!(
+        Client::connect_with(&server, "", &[]).await.err(),
+        Some(401)
+    );
     let query = format!("?token={TOKEN}");
     assert!(Client::connect_with(&server, &query, &[]).await.is_ok());
     server.stop().await;
@@ -174,10 +212,22 @@ fn public_address_needs_a_fitting_token() {
         options.token = token.map(str::to_owned);
         options.check()
     };
-    assert!(matches!(with("0.0.0.0:8080", None), Err(ServeError::TokenNeeded { .. })));
-    assert!(matches!(with("[::]:8080", None), Err(ServeError::TokenNeeded { .. })));
-    assert!(matches!(with("0.0.0.0:8080", Some("")), Err(ServeError::TokenUnfit)));
-    assert!(matches!(with("127.0.0.1:0", Some("with space")), Err(ServeError::TokenUnfit)));
+    assert!(matches!(
+        with("0.0.0.0:8080", None),
+        Err(ServeError::TokenNeeded { .. })
+    ));
+    assert!(matches!(
+        with("[::]:8080", None),
+        Err(ServeError::TokenNeeded { .. })
+    ));
+    assert!(matches!(
+        with("0.0.0.0:8080", Some("")),
+        Err(ServeError::TokenUnfit)
+    ));
+    assert!(matches!(
+        with("127.0.0.1:0", Some("with space")),
+        Err(ServeError::TokenUnfit)
+    ));
     assert!(with("0.0.0.0:8080", Some(TOKEN)).is_ok());
     assert!(with("127.0.0.1:0", None).is_ok());
     assert!(with("[::1]:0", None).is_ok());
@@ -189,14 +239,23 @@ async fn taken_address_is_an_error_that_names_it() {
     let mut second = options(scene(1));
     second.bind = server.address;
     let open = support::Fake::opener(&server.script);
-    let error = tyndall_service::serve_on(second, open, server.shutdown.clone()).await.unwrap_err();
-    assert!(error.to_string().contains(&server.address.to_string()), "{error}");
+    let error = tyndall_service::serve_on(second, open, server.shutdown.clone())
+        .await
+        .unwrap_err();
+    assert!(
+        error.to_string().contains(&server.address.to_string()),
+        "{error}"
+    );
     server.stop().await;
 }
 
 #[test]
 fn every_code_has_an_error_status() {
-    for code in [ErrorCode::Malformed, ErrorCode::TooManySessions, ErrorCode::Internal] {
+    for code in [
+        ErrorCode::Malformed,
+        ErrorCode::TooManySessions,
+        ErrorCode::Internal,
+    ] {
         let (status, title) = tyndall_service::problem::status_and_title(code);
         assert!(status.is_client_error() || status.is_server_error());
         assert!(!title.ends_with('.'));

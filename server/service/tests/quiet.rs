@@ -26,13 +26,25 @@ async fn converged_session_is_quiet() {
     client.frame_where(|frame| frame.converged).await;
     client.json("stats").await;
     client.during(Duration::from_millis(300)).await;
-    let (calls, time) = (server.script.calls.load(Ordering::SeqCst), render_thread_time());
+    let (calls, time) = (
+        server.script.calls.load(Ordering::SeqCst),
+        render_thread_time(),
+    );
     let received = client.during(Duration::from_secs(2)).await;
     assert!(received.is_empty(), "{received:?}");
-    assert_eq!(server.script.calls.load(Ordering::SeqCst), calls, "the renderer was called");
+    assert_eq!(
+        server.script.calls.load(Ordering::SeqCst),
+        calls,
+        "the renderer was called"
+    );
     match (time, render_thread_time()) {
         (Some(before), Some(after)) => {
-            assert_eq!(after, before, "the render thread ran for {} ns", after - before);
+            assert_eq!(
+                after,
+                before,
+                "the render thread ran for {} ns",
+                after - before
+            );
         }
         _ => println!("skipped: this system does not tell a thread's processor time"),
     }

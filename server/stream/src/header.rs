@@ -270,10 +270,14 @@ impl FrameHeader {
             return Err(HeaderError::EstimatedError { found });
         }
         if self.applied_input > MAX_SAFE_INTEGER {
-            return Err(HeaderError::AppliedInput { found: self.applied_input });
+            return Err(HeaderError::AppliedInput {
+                found: self.applied_input,
+            });
         }
         if self.payload_length > MAX_PAYLOAD_BYTES {
-            return Err(HeaderError::PayloadTooLong { found: self.payload_length });
+            return Err(HeaderError::PayloadTooLong {
+                found: self.payload_length,
+            });
         }
         Ok(())
     }

@@ -73,8 +73,10 @@ pub struct Accepts {
 impl Accepts {
     /// Reads the client's list; `None` when it names no codec at all.
     pub fn from_list(list: &[Codec]) -> Option<Self> {
-        let accepts =
-            Self { jpeg: list.contains(&Codec::Jpeg), png: list.contains(&Codec::Png) };
+        let accepts = Self {
+            jpeg: list.contains(&Codec::Jpeg),
+            png: list.contains(&Codec::Png),
+        };
         (accepts.jpeg || accepts.png).then_some(accepts)
     }
 }
@@ -135,7 +137,10 @@ impl Pacing {
     /// Forgets everything but the frame count: a new connection took the session over.
     pub fn reconnect(&mut self) {
         let next_frame_id = self.next_frame_id;
-        *self = Self { next_frame_id, ..Self::new(self.settings) };
+        *self = Self {
+            next_frame_id,
+            ..Self::new(self.settings)
+        };
     }
 
     /// Notes that the user changed something.
@@ -156,7 +161,10 @@ impl Pacing {
         }
         let frame_id = self.next_frame_id;
         self.next_frame_id = self.next_frame_id.wrapping_add(1).max(1);
-        self.in_flight.push_back(InFlight { frame_id, sent: None });
+        self.in_flight.push_back(InFlight {
+            frame_id,
+            sent: None,
+        });
         Some(frame_id)
     }
 
@@ -174,7 +182,10 @@ impl Pacing {
 
     /// Takes a client's acknowledgement of a frame and of all sent before it.
     pub fn acknowledge(&mut self, frame_id: u32, now: Instant) -> Acknowledged {
-        let known = self.in_flight.iter().position(|frame| frame.frame_id == frame_id);
+        let known = self
+            .in_flight
+            .iter()
+            .position(|frame| frame.frame_id == frame_id);
         let Some((position, sent)) = known.and_then(|i| Some((i, self.in_flight[i].sent?))) else {
             return Acknowledged::Stale;
         };
@@ -206,9 +217,9 @@ impl Pacing {
 
     /// The state of a picture finished at `now`.
     pub fn tier(&self, converged: bool, now: Instant) -> Tier {
-        let settling = self.last_input.is_none_or(|input| {
-            now.saturating_duration_since(input) >= self.settings.settle_after
-        });
+        let settling = self
+            .last_input
+            .is_none_or(|input| now.saturating_duration_since(input) >= self.settings.settle_after);
         match (converged, settling) {
             (true, _) => Tier::Converged,
             (false, true) => Tier::Settling,
@@ -223,9 +234,10 @@ impl Pacing {
         }
         match tier {
             Tier::Converged if accepts.png => EncodeChoice::Png,
-            Tier::Converged => {
-                EncodeChoice::Jpeg { quality: FINAL_JPEG_QUALITY, chroma: Chroma::Full }
-            }
+            Tier::Converged => EncodeChoice::Jpeg {
+                quality: FINAL_JPEG_QUALITY,
+                chroma: Chroma::Full,
+            },
             Tier::Settling => EncodeChoice::Jpeg {
                 quality: SETTLING_QUALITY - self.reduction / 2,
                 chroma: if self.reduction > FULL_CHROMA_REDUCTION {
@@ -245,7 +257,9 @@ impl Pacing {
         let limit = self.settings.unwedge_after;
         let before = self.in_flight.len();
         self.in_flight.retain(|frame| {
-            frame.sent.is_none_or(|sent| now.saturating_duration_since(sent) < limit)
+            frame
+                .sent
+                .is_none_or(|sent| now.saturating_duration_since(sent) < limit)
         });
         if self.in_flight.len() < before {
             self.reduce();
@@ -253,9 +267,13 @@ impl Pacing {
     }
 
     fn adapt(&mut self, round_trip: Duration) {
-        let drifted = self.baseline.map_or(round_trip, |base| base.mul_f64(BASELINE_DRIFT));
+        let drifted = self
+            .baseline
+            .map_or(round_trip, |base| base.mul_f64(BASELINE_DRIFT));
         let baseline = drifted.min(round_trip);
-        let smoothed = self.smoothed.map_or(round_trip, |old| (old * 3 + round_trip) / 4);
+        let smoothed = self
+            .smoothed
+            .map_or(round_trip, |old| (old * 3 + round_trip) / 4);
         self.baseline = Some(baseline);
         self.smoothed = Some(smoothed);
         let queueing = smoothed.saturating_sub(baseline);

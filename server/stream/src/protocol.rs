@@ -295,6 +295,10 @@ pub struct SceneMessage {
 /// What the planner knows about a scene; see `SceneFacts` for the exact meanings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS)]
 #[allow(missing_docs, reason = "named and documented as in `SceneFacts`")]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "they are independent facts, not states"
+)]
 pub struct Facts {
     pub triangles: u64,
     pub instances: u64,

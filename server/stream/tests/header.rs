@@ -1,5 +1,10 @@
 //! The frame header: every value survives, hostile bytes end in a named error.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that unwraps says where it failed"
+)]
+
 use proptest::prelude::*;
 use tyndall_stream::header::{
     Codec, FrameHeader, HEADER_BYTES, HeaderError, MAX_PAYLOAD_BYTES, MAX_SAFE_INTEGER, MAX_SIDE,
@@ -57,11 +62,29 @@ fn each_wrong_field_has_its_own_error() {
     assert_eq!(spoilt(4, &[2, 0]), HeaderError::Version { found: 2 });
     assert_eq!(spoilt(6, &[0]), HeaderError::Codec { found: 0 });
     assert_eq!(spoilt(7, &[0x84]), HeaderError::Flags { found: 0x84 });
-    assert_eq!(spoilt(28, &[0; 4]), HeaderError::Size { width: 0, height: 720 });
-    assert!(matches!(spoilt(36, &f32::NAN.to_le_bytes()), HeaderError::EstimatedError { .. }));
-    assert!(matches!(spoilt(36, &(-0.5_f32).to_le_bytes()), HeaderError::EstimatedError { .. }));
-    assert_eq!(spoilt(16, &[0xff; 8]), HeaderError::AppliedInput { found: u64::MAX });
-    assert_eq!(spoilt(48, &[0xff; 4]), HeaderError::PayloadTooLong { found: u32::MAX });
+    assert_eq!(
+        spoilt(28, &[0; 4]),
+        HeaderError::Size {
+            width: 0,
+            height: 720
+        }
+    );
+    assert!(matches!(
+        spoilt(36, &f32::NAN.to_le_bytes()),
+        HeaderError::EstimatedError { .. }
+    ));
+    assert!(matches!(
+        spoilt(36, &(-0.5_f32).to_le_bytes()),
+        HeaderError::EstimatedError { .. }
+    ));
+    assert_eq!(
+        spoilt(16, &[0xff; 8]),
+        HeaderError::AppliedInput { found: u64::MAX }
+    );
+    assert_eq!(
+        spoilt(48, &[0xff; 4]),
+        HeaderError::PayloadTooLong { found: u32::MAX }
+    );
     assert_eq!(spoilt(63, &[1]), HeaderError::Reserved);
 }
 
@@ -73,12 +96,25 @@ fn payload_must_be_as_long_as_announced() {
     assert_eq!((header, payload), (sample(), b"abc".as_slice()));
     message.push(b'd');
     let error = FrameHeader::decode_message(&message).unwrap_err();
-    assert_eq!(error, HeaderError::PayloadLength { announced: 3, found: 4 });
+    assert_eq!(
+        error,
+        HeaderError::PayloadLength {
+            announced: 3,
+            found: 4
+        }
+    );
 }
 
 fn any_header() -> impl Strategy<Value = FrameHeader> {
-    let flags = (prop_oneof![Just(Codec::Jpeg), Just(Codec::Png)], any::<(bool, bool)>());
-    let counts = (any::<(u32, u32, u32)>(), 0..=MAX_SAFE_INTEGER, 0..=MAX_PAYLOAD_BYTES);
+    let flags = (
+        prop_oneof![Just(Codec::Jpeg), Just(Codec::Png)],
+        any::<(bool, bool)>(),
+    );
+    let counts = (
+        any::<(u32, u32, u32)>(),
+        0..=MAX_SAFE_INTEGER,
+        0..=MAX_PAYLOAD_BYTES,
+    );
     let error = prop_oneof![Just(None), (0.0_f32..f32::MAX).prop_map(Some)];
     let size = (1..=MAX_SIDE, 1..=MAX_SIDE);
     (flags, counts, error, size, any::<(u32, u32)>()).prop_map(
@@ -111,7 +147,7 @@ proptest! {
 
     #[test]
     fn arbitrary_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
-        let _ = FrameHeader::decode_message(&bytes);
+        drop(FrameHeader::decode_message(&bytes));
     }
 
     #[test]

@@ -6,7 +6,10 @@ use tyndall_stream::encode::{Chroma, EncodeChoice};
 use tyndall_stream::header::Codec;
 use tyndall_stream::pacing::{Accepts, Acknowledged, Pacing, PacingSettings, Tier};
 
-const BOTH: Accepts = Accepts { jpeg: true, png: true };
+const BOTH: Accepts = Accepts {
+    jpeg: true,
+    png: true,
+};
 
 fn ms(millis: u64) -> Duration {
     Duration::from_millis(millis)
@@ -34,11 +37,19 @@ fn moving_quality(pacing: &Pacing) -> u8 {
 fn at_most_two_frames_are_on_their_way() {
     let (mut pacing, now) = pacing();
     assert_eq!(send(&mut pacing, now), Some(1));
-    assert_eq!(pacing.begin(now), Some(2), "a frame being rendered takes a place");
+    assert_eq!(
+        pacing.begin(now),
+        Some(2),
+        "a frame being rendered takes a place"
+    );
     assert_eq!(pacing.begin(now), None);
     assert_eq!(pacing.in_flight(), 2);
     pacing.discard(2);
-    assert_eq!(pacing.begin(now), Some(3), "a discarded frame gives its place back");
+    assert_eq!(
+        pacing.begin(now),
+        Some(3),
+        "a discarded frame gives its place back"
+    );
 }
 
 #[test]
@@ -57,7 +68,10 @@ fn acknowledging_the_newest_covers_the_older() {
     let (mut pacing, now) = pacing();
     send(&mut pacing, now);
     send(&mut pacing, now + ms(10));
-    assert_eq!(pacing.acknowledge(2, now + ms(30)), Acknowledged::RoundTrip(ms(20)));
+    assert_eq!(
+        pacing.acknowledge(2, now + ms(30)),
+        Acknowledged::RoundTrip(ms(20))
+    );
     assert_eq!(pacing.in_flight(), 0);
 }
 
@@ -70,8 +84,15 @@ fn stale_and_invented_acknowledgements_change_nothing() {
         assert_eq!(pacing.acknowledge(frame, now + ms(1)), Acknowledged::Stale);
     }
     assert_eq!(pacing.in_flight(), 2);
-    assert_eq!(pacing.acknowledge(1, now + ms(2)), Acknowledged::RoundTrip(ms(2)));
-    assert_eq!(pacing.acknowledge(1, now + ms(3)), Acknowledged::Stale, "twice");
+    assert_eq!(
+        pacing.acknowledge(1, now + ms(2)),
+        Acknowledged::RoundTrip(ms(2))
+    );
+    assert_eq!(
+        pacing.acknowledge(1, now + ms(3)),
+        Acknowledged::Stale,
+        "twice"
+    );
 }
 
 #[test]
@@ -83,7 +104,11 @@ fn silent_client_is_unwedged_after_two_seconds() {
     assert!(!pacing.is_open(now + ms(1999)));
     assert!(pacing.is_open(now + ms(2000)));
     assert_eq!(pacing.in_flight(), 1, "only the older frame is given up");
-    assert_eq!(pacing.next_deadline(), None, "an open window waits for nothing");
+    assert_eq!(
+        pacing.next_deadline(),
+        None,
+        "an open window waits for nothing"
+    );
     assert_eq!(send(&mut pacing, now + ms(2000)), Some(3));
     assert_eq!(pacing.acknowledge(1, now + ms(2001)), Acknowledged::Stale);
 }
@@ -115,7 +140,10 @@ fn tiers_choose_their_codecs() {
     assert_eq!(pacing.choose(Tier::Settling, BOTH), jpeg(92, Chroma::Full));
     assert_eq!(pacing.choose(Tier::Converged, BOTH), EncodeChoice::Png);
     let jpeg_only = Accepts::from_list(&[Codec::Jpeg]).unwrap();
-    assert_eq!(pacing.choose(Tier::Converged, jpeg_only), jpeg(95, Chroma::Full));
+    assert_eq!(
+        pacing.choose(Tier::Converged, jpeg_only),
+        jpeg(95, Chroma::Full)
+    );
     let png_only = Accepts::from_list(&[Codec::Png]).unwrap();
     assert_eq!(pacing.choose(Tier::Moving, png_only), EncodeChoice::Png);
     assert_eq!(Accepts::from_list(&[]), None);

@@ -13,8 +13,12 @@ fn parse(value: &serde_json::Value) -> Result<ClientMessage, SceneError> {
 
 /// The path, found and allowed of a refused message.
 fn refused(value: &serde_json::Value) -> (String, String, String) {
-    match parse(value).unwrap_err() {
-        SceneError::Invalid { path, found, allowed } => (path, found, allowed),
+    match parse(value).expect_err("the message was taken") {
+        SceneError::Invalid {
+            path,
+            found,
+            allowed,
+        } => (path, found, allowed),
         other => panic!("{other}"),
     }
 }
@@ -38,7 +42,11 @@ fn every_client_message_survives_its_own_json() {
     for message in messages {
         let parsed = parse(&message).unwrap();
         let written = serde_json::to_string(&parsed).unwrap();
-        assert_eq!(ClientMessage::from_json(&written).unwrap(), parsed, "{written}");
+        assert_eq!(
+            ClientMessage::from_json(&written).unwrap(),
+            parsed,
+            "{written}"
+        );
         assert_eq!(parsed.input(), message["input"].as_u64());
     }
 }
@@ -47,7 +55,9 @@ fn every_client_message_survives_its_own_json() {
 fn unknown_codecs_of_a_hello_are_skipped() {
     let hello = json!({"type": "hello", "protocol": 1, "accept": ["h264", "png"], "width": 1,
         "height": 1, "device_pixel_ratio": 1});
-    let ClientMessage::Hello(hello) = parse(&hello).unwrap() else { panic!("not a hello") };
+    let ClientMessage::Hello(hello) = parse(&hello).unwrap() else {
+        panic!("not a hello")
+    };
     assert_eq!(hello.codecs(), [Codec::Png]);
     assert_eq!(hello.resume, None);
 }
@@ -59,7 +69,10 @@ fn errors_name_path_found_and_allowed() {
     assert!(allowed.contains("open_preset"));
     assert_eq!(refused(&json!({"frame": 1})).0, "type");
     assert_eq!(refused(&json!({"type": "ack", "frame": "one"})).0, "frame");
-    assert_eq!(refused(&json!({"type": "ack", "frame": 1, "extra": 1})).0, "extra");
+    assert_eq!(
+        refused(&json!({"type": "ack", "frame": 1, "extra": 1})).0,
+        "extra"
+    );
     let light = json!({"kind": "point", "position": [0, "high", 0], "intensity": 1});
     let edit = json!({"type": "edit", "input": 1, "edit": {"lights": [light]}});
     assert_eq!(refused(&edit).0, "edit.lights[0].position[1]");
@@ -69,8 +82,14 @@ fn errors_name_path_found_and_allowed() {
 
 #[test]
 fn text_that_is_no_json_object_is_refused() {
-    assert!(matches!(ClientMessage::from_json("{"), Err(SceneError::Syntax { .. })));
-    assert!(matches!(ClientMessage::from_json(""), Err(SceneError::Syntax { .. })));
+    assert!(matches!(
+        ClientMessage::from_json("{"),
+        Err(SceneError::Syntax { .. })
+    ));
+    assert!(matches!(
+        ClientMessage::from_json(""),
+        Err(SceneError::Syntax { .. })
+    ));
     assert!(ClientMessage::from_json("[]").is_err());
     assert!(ClientMessage::from_json("3").is_err());
     let deep = "[".repeat(100_000);

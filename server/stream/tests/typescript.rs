@@ -26,7 +26,10 @@ impl TypeVisitor for Declarations {
         let declaration = format!("{docs}export {}\n", T::decl(&self.config));
         let name = T::ident(&self.config);
         let old = self.by_name.insert(name.clone(), declaration);
-        assert!(old.is_none(), "two Rust types are called {name} in TypeScript");
+        assert!(
+            old.is_none(),
+            "two Rust types are called {name} in TypeScript"
+        );
         T::visit_dependencies(self);
     }
 }
@@ -57,8 +60,10 @@ fn generate() -> String {
 
 #[test]
 fn typescript_types_have_not_drifted() {
-    let path =
-        PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/src/protocol.gen.ts"));
+    let path = PathBuf::from(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../web/src/protocol.gen.ts"
+    ));
     let generated = generate();
     if std::env::var_os("TYNDALL_BLESS").is_some_and(|value| value == "1") {
         std::fs::write(&path, &generated).unwrap();
@@ -76,7 +81,13 @@ fn large_integers_are_numbers_and_nothing_is_imported() {
     let text = generate();
     assert!(!text.contains("bigint"));
     assert!(!text.contains("import "));
-    for name in ["ClientMessage", "ServerMessage", "SceneDescription", "SceneEdit", "Stats"] {
+    for name in [
+        "ClientMessage",
+        "ServerMessage",
+        "SceneDescription",
+        "SceneEdit",
+        "Stats",
+    ] {
         assert!(text.contains(&format!("export type {name} =")), "{name}");
     }
 }

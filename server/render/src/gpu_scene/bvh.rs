@@ -24,54 +24,50 @@ pub(crate) struct GpuBvh {
 impl GpuBvh {
     /// Builds over all instances. Serial, so equal geometry gives equal bits.
     pub fn build(device: &Device, source: &Geometry, anchor: DVec3) -> Result<Self, RenderError> {
-        let triangles = world_triangles(source, anchor);
         let limit = device.device.limits().max_storage_buffer_binding_size;
-        check("bytes of BVH triangles", triangles.len() as u64 * 48, limit)?;
-        let mut duration = std::time::Duration::ZERO;
-        let bvh = obvhs::bvh2::builder::build_bvh2_from_tris(
-            &triangles,
-            BvhBuildParams::medium_build(),
-            &mut duration,
-        );
-        check("levels of the BVH", depth_of(&bvh) as u64, MAX_DEPTH as u64)?;
-        let nodes: Vec<BvhNode> = bvh
-            .nodes
-            .iter()
-            .map(|node| BvhNode {
-                min: node.aabb().min.to_array(),
-                primitive_count: node.prim_count,
-                max: node.aabb().max.to_array(),
-                first_index: node.first_index,
-            })
-            .collect();
-        check(
-            "bytes of BVH nodes",
-            size_of_val(nodes.as_slice()) as u64,
-            limit,
-        )?;
-        let vertices: Vec<[f32; 4]> = bvh
-            .primitive_indices
-            .iter()
-            .flat_map(|index| {
-                let triangle = &triangles[*index as usize];
-                [triangle.v0, triangle.v1, triangle.v2].map(|v| [v.x, v.y, v.z, 0.0])
-            })
-            .collect();
+        let (nodes, vertices) = bvh_bytes(source, anchor)?;
+        check("bytes of BVH nodes", nodes.len() as u64, limit)?;
+        check("bytes of BVH triangles", vertices.len() as u64, limit)?;
+        let storage = wgpu::BufferUsages::STORAGE;
         Ok(Self {
-            nodes: buffer(
-                device,
-                "bvh.nodes",
-                bytemuck::cast_slice(&nodes),
-                wgpu::BufferUsages::STORAGE,
-            ),
-            vertices: buffer(
-                device,
-                "bvh.vertices",
-                bytemuck::cast_slice(&vertices),
-                wgpu::BufferUsages::STORAGE,
-            ),
+            nodes: buffer(device, "bvh.nodes", &nodes, storage),
+            vertices: buffer(device, "bvh.vertices", &vertices, storage),
         })
     }
+}
+
+/// Nodes and triangle vertices as the shader reads them.
+pub(crate) fn bvh_bytes(
+    source: &Geometry,
+    anchor: DVec3,
+) -> Result<(Vec<u8>, Vec<u8>), RenderError> {
+    let triangles = world_triangles(source, anchor);
+    let mut duration = std::time::Duration::ZERO;
+    let parameters = BvhBuildParams::medium_build();
+    let bvh = obvhs::bvh2::builder::build_bvh2_from_tris(&triangles, parameters, &mut duration);
+    check("levels of the BVH", depth_of(&bvh) as u64, MAX_DEPTH as u64)?;
+    let nodes: Vec<BvhNode> = bvh
+        .nodes
+        .iter()
+        .map(|node| BvhNode {
+            min: node.aabb().min.to_array(),
+            primitive_count: node.prim_count,
+            max: node.aabb().max.to_array(),
+            first_index: node.first_index,
+        })
+        .collect();
+    let vertices: Vec<[f32; 4]> = bvh
+        .primitive_indices
+        .iter()
+        .flat_map(|index| {
+            let triangle = &triangles[*index as usize];
+            [triangle.v0, triangle.v1, triangle.v2].map(|v| [v.x, v.y, v.z, 0.0])
+        })
+        .collect();
+    Ok((
+        bytemuck::cast_slice(&nodes).to_vec(),
+        bytemuck::cast_slice(&vertices).to_vec(),
+    ))
 }
 
 /// Triangles of all instances relative to `anchor`.

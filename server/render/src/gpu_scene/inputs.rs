@@ -1,7 +1,7 @@
 //! The buffers of one view that hold camera-relative values, refilled when what they hold changes.
 
 use glam::{DVec3, DVec4};
-use tyndall_scene::{Camera, Scene, SceneFacts};
+use tyndall_scene::{Camera, Light, Scene, SceneFacts, ShadowMode};
 use tyndall_shaders::types;
 
 use super::{GpuGeometry, Origin, instance_values, light_values, medium_values};
@@ -77,6 +77,7 @@ impl Inputs {
         scene: &Scene,
         geometry: &GpuGeometry,
         shadows: &ShadowMaps,
+        mode: ShadowMode,
     ) {
         let origin = Origin(scene.camera.position);
         let write = |buffer: &wgpu::Buffer, bytes: &[u8]| {
@@ -86,11 +87,17 @@ impl Inputs {
         };
         let instances = instance_values(&scene.geometry, &geometry.instance_order, origin);
         write(&self.instances, bytemuck::cast_slice(&instances));
+        // A traced shadow needs no map: any view number says that the light casts shadows.
+        let shadow_of = |i: usize, light: &Light| match mode {
+            ShadowMode::Mapped => shadows.of_light(i),
+            ShadowMode::Traced => light.casts_shadows().then_some((0, 0.0)),
+            ShadowMode::Off => None,
+        };
         let lights: Vec<_> = scene
             .lights
             .iter()
             .enumerate()
-            .map(|(i, light)| light_values(light, shadows.of_light(i), origin))
+            .map(|(i, light)| light_values(light, shadow_of(i, light), origin))
             .collect();
         write(&self.lights, bytemuck::cast_slice(&lights));
         let media: Vec<_> = scene
@@ -119,7 +126,8 @@ impl Inputs {
     }
 }
 
-fn frame_values(
+/// The frame's own values.
+pub(crate) fn frame_values(
     scene: &Scene,
     facts: &SceneFacts,
     anchor: DVec3,
@@ -157,14 +165,11 @@ fn frame_values(
         sample_index: sample.sample_index,
         seed: (scene.render.seed ^ (scene.render.seed >> 32)) as u32,
         background: [0.0; 3],
-        light_count: scene.lights.len() as u32,
-        medium_count: scene.media.len() as u32,
         march_steps: sample.march_steps,
         march_jitter: scene.render.single_scattering.jitter.into(),
         exposure_scale: exposure_scale(camera.exposure_ev),
         statistics_scale: statistics_scale(width, height),
         accumulated: sample.sample_index + 1,
-        padding: [0; 2],
     }
 }
 

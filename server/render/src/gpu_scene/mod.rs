@@ -9,7 +9,11 @@ mod textures;
 mod values;
 
 pub(crate) use bvh::GpuBvh;
+#[cfg(feature = "probe")]
+pub(crate) use bvh::bvh_bytes;
 pub(crate) use geometry::{Draw, DrawClass, GpuGeometry, VERTEX_LAYOUT};
+#[cfg(feature = "probe")]
+pub(crate) use inputs::frame_values;
 pub(crate) use inputs::{Inputs, SampleValues};
 pub(crate) use textures::TextureArrays;
 pub(crate) use values::{Origin, instance_values, light_values, medium_values};

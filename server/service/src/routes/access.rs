@@ -30,18 +30,29 @@ pub(super) async fn require_token(
 }
 
 fn bearer(headers: &HeaderMap) -> Option<&str> {
-    let (scheme, token) = headers.get(header::AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
-    scheme.eq_ignore_ascii_case("bearer").then_some(token.trim())
+    let (scheme, token) = headers
+        .get(header::AUTHORIZATION)?
+        .to_str()
+        .ok()?
+        .split_once(' ')?;
+    scheme
+        .eq_ignore_ascii_case("bearer")
+        .then_some(token.trim())
 }
 
 /// The `token` of the query. A browser cannot set headers on a WebSocket.
 fn in_query(uri: &Uri) -> Option<&str> {
-    uri.query()?.split('&').find_map(|pair| pair.strip_prefix("token="))
+    uri.query()?
+        .split('&')
+        .find_map(|pair| pair.strip_prefix("token="))
 }
 
 /// Compares in a time that depends on the lengths only.
 fn equal(a: &[u8], b: &[u8]) -> bool {
-    let differing = a.iter().zip(b).fold(0, |differing, (a, b)| differing | (a ^ b));
+    let differing = a
+        .iter()
+        .zip(b)
+        .fold(0, |differing, (a, b)| differing | (a ^ b));
     std::hint::black_box(differing) == 0 && a.len() == b.len()
 }
 
@@ -58,11 +69,17 @@ pub(crate) fn check_origin(app: &App, headers: &HeaderMap) -> Result<(), Problem
     let Ok(origin) = origin.to_str() else {
         return refuse("the Origin header is not text");
     };
-    if app.allowed_origins.iter().any(|allowed| allowed.eq_ignore_ascii_case(origin)) {
+    if app
+        .allowed_origins
+        .iter()
+        .any(|allowed| allowed.eq_ignore_ascii_case(origin))
+    {
         return Ok(());
     }
     let host = text(header::HOST).unwrap_or_default();
-    let authority = origin.split_once("://").map_or("", |(_, authority)| authority);
+    let authority = origin
+        .split_once("://")
+        .map_or("", |(_, authority)| authority);
     if host.is_empty() || !authority.eq_ignore_ascii_case(host) {
         return refuse("the page that opens this stream must come from this server");
     }
@@ -81,7 +98,9 @@ fn names_this_machine(host: &str) -> bool {
     let address = name.trim_start_matches('[').trim_end_matches(']');
     name.eq_ignore_ascii_case("localhost")
         || name.to_ascii_lowercase().ends_with(".localhost")
-        || address.parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
+        || address
+            .parse::<IpAddr>()
+            .is_ok_and(|address| address.is_loopback())
 }
 
 #[cfg(test)]
@@ -90,10 +109,23 @@ mod tests {
 
     #[test]
     fn hosts_of_this_machine_are_recognised() {
-        for host in ["localhost", "LOCALHOST:8080", "127.0.0.1:1", "[::1]:80", "[::1]", "a.localhost"] {
+        for host in [
+            "localhost",
+            "LOCALHOST:8080",
+            "127.0.0.1:1",
+            "[::1]:80",
+            "[::1]",
+            "a.localhost",
+        ] {
             assert!(names_this_machine(host), "{host}");
         }
-        for host in ["example.org", "localhost.example.org:80", "10.0.0.1", "127.0.0.1.example.org", ""] {
+        for host in [
+            "example.org",
+            "localhost.example.org:80",
+            "10.0.0.1",
+            "127.0.0.1.example.org",
+            "",
+        ] {
             assert!(!names_this_machine(host), "{host}");
         }
     }

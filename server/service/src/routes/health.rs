@@ -18,7 +18,10 @@ pub(super) async fn live() -> &'static str {
 /// The renderer works and the server is not going down.
 pub(super) async fn ready(State(app): State<Arc<App>>) -> Result<&'static str, Problem> {
     if app.shutdown.is_cancelled() {
-        return Err(Problem::new(ErrorCode::NotReady, "the server is going down"));
+        return Err(Problem::new(
+            ErrorCode::NotReady,
+            "the server is going down",
+        ));
     }
     if !app.readiness.get() {
         return Err(Problem::new(ErrorCode::NotReady, "no device is open"));
@@ -27,7 +30,7 @@ pub(super) async fn ready(State(app): State<Arc<App>>) -> Result<&'static str, P
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct Version {
+pub(super) struct About {
     name: &'static str,
     version: &'static str,
     protocol: u32,
@@ -35,8 +38,8 @@ pub(super) struct Version {
 }
 
 /// What runs here.
-pub(super) async fn version(State(app): State<Arc<App>>) -> Json<Version> {
-    Json(Version {
+pub(super) async fn version(State(app): State<Arc<App>>) -> Json<About> {
+    Json(About {
         name: "tyndall",
         version: env!("CARGO_PKG_VERSION"),
         protocol: PROTOCOL_VERSION,

@@ -40,7 +40,10 @@ pub(crate) fn router(app: Arc<App>) -> Router {
         .route("/v1/schema", get(schema::scene))
         .route("/v1/stream", any(socket::upgrade))
         .route("/metrics", get(metrics::print))
-        .route_layer(middleware::from_fn_with_state(Arc::clone(&app), access::require_token));
+        .route_layer(middleware::from_fn_with_state(
+            Arc::clone(&app),
+            access::require_token,
+        ));
     let router = Router::new()
         .route("/livez", get(health::live))
         .route("/readyz", get(health::ready))
@@ -81,7 +84,10 @@ async fn not_found(uri: Uri) -> Problem {
 
 async fn method_not_allowed(uri: Uri) -> Problem {
     let path: String = uri.path().chars().take(200).collect();
-    Problem::new(ErrorCode::MethodNotAllowed, format!("{path} does not take this method"))
+    Problem::new(
+        ErrorCode::MethodNotAllowed,
+        format!("{path} does not take this method"),
+    )
 }
 
 fn panicked(_panic: Box<dyn std::any::Any + Send>) -> Response {

@@ -5,7 +5,10 @@ use memory_serve::CacheControl;
 
 /// The page's files. Vite puts a hash into the names below `assets`, so only the HTML may change
 /// under its name; it is revalidated each time, or a new server would get an old page.
-#[allow(unused_qualifications, reason = "in the code that memory-serve generates")]
+#[allow(
+    unused_qualifications,
+    reason = "in the code that memory-serve generates"
+)]
 pub(super) fn router() -> Router {
     memory_serve::load!()
         .index_file(Some("/index.html"))

@@ -44,19 +44,26 @@ pub(super) async fn of_scene(
     let body = body.map_err(|rejection| {
         if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE {
             let limit = app.limits.max_body_bytes;
-            Problem::new(ErrorCode::TooLarge, format!("at most {limit} bytes are read"))
+            Problem::new(
+                ErrorCode::TooLarge,
+                format!("at most {limit} bytes are read"),
+            )
         } else {
             Problem::new(ErrorCode::Malformed, rejection.body_text())
         }
     })?;
-    let text = String::from_utf8(body.into()).map_err(|_not_text| {
-        Problem::new(ErrorCode::Malformed, "the body is not UTF-8 text")
-    })?;
+    let text = String::from_utf8(body.into())
+        .map_err(|_not_text| Problem::new(ErrorCode::Malformed, "the body is not UTF-8 text"))?;
     Ok(Json(app.scenes.plan_of(text).await?))
 }
 
 fn is_json(headers: &HeaderMap) -> bool {
-    let kind = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok());
-    let essence = kind.and_then(|kind| kind.split(';').next()).unwrap_or_default().trim();
+    let kind = headers
+        .get(header::CONTENT_TYPE)
+        .and_then(|value| value.to_str().ok());
+    let essence = kind
+        .and_then(|kind| kind.split(';').next())
+        .unwrap_or_default()
+        .trim();
     essence.eq_ignore_ascii_case("application/json") || essence.ends_with("+json")
 }

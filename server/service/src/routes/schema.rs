@@ -6,5 +6,8 @@ use axum::response::IntoResponse;
 
 pub(super) async fn scene() -> impl IntoResponse {
     let kind = "application/schema+json";
-    ([(header::CONTENT_TYPE, kind)], Json(tyndall_scene::json_schema()))
+    (
+        [(header::CONTENT_TYPE, kind)],
+        Json(tyndall_scene::json_schema()),
+    )
 }

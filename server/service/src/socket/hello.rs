@@ -25,7 +25,10 @@ pub(super) struct Refused {
 
 impl Refused {
     fn new(farewell: Farewell, code: ErrorCode, message: impl Into<String>) -> Self {
-        Self { farewell, error: Some(error(code, message, None)) }
+        Self {
+            farewell,
+            error: Some(error(code, message, None)),
+        }
     }
 }
 
@@ -42,15 +45,31 @@ pub(super) async fn receive(app: &Arc<App>, stream: &mut Stream) -> Result<Conne
         Ok(Some(Ok(Message::Text(text)))) => text,
         Ok(Some(Ok(Message::Binary(_)))) => {
             let message = "the first message must be a hello as JSON text";
-            return Err(Refused::new(Farewell::NOT_TEXT, ErrorCode::Malformed, message));
+            return Err(Refused::new(
+                Farewell::NOT_TEXT,
+                ErrorCode::Malformed,
+                message,
+            ));
         }
         Ok(Some(Err(_broken))) => {
-            return Err(Refused { farewell: Farewell::TOO_LONG, error: None });
+            return Err(Refused {
+                farewell: Farewell::TOO_LONG,
+                error: None,
+            });
         }
-        Ok(_closed) => return Err(Refused { farewell: Farewell::CLIENT_LEFT, error: None }),
+        Ok(_closed) => {
+            return Err(Refused {
+                farewell: Farewell::CLIENT_LEFT,
+                error: None,
+            });
+        }
         Err(_elapsed) => {
             let message = format!("no hello came within {} s", within.as_secs_f32());
-            return Err(Refused::new(Farewell::HELLO, ErrorCode::HelloExpected, message));
+            return Err(Refused::new(
+                Farewell::HELLO,
+                ErrorCode::HelloExpected,
+                message,
+            ));
         }
     };
     let hello = parse(&text)?;
@@ -84,34 +103,48 @@ fn parse(text: &str) -> Result<Hello, Refused> {
     })?;
     let ClientMessage::Hello(hello) = message else {
         let message = "the first message must be a hello";
-        return Err(Refused::new(Farewell::HELLO, ErrorCode::HelloExpected, message));
+        return Err(Refused::new(
+            Farewell::HELLO,
+            ErrorCode::HelloExpected,
+            message,
+        ));
     };
     if hello.protocol != PROTOCOL_VERSION {
         let message = format!(
             "this server speaks protocol {PROTOCOL_VERSION}, the client {}; reload the page",
             hello.protocol
         );
-        return Err(Refused::new(Farewell::PROTOCOL, ErrorCode::ProtocolVersion, message));
+        return Err(Refused::new(
+            Farewell::PROTOCOL,
+            ErrorCode::ProtocolVersion,
+            message,
+        ));
     }
     Ok(hello)
 }
 
 fn open(app: &Arc<App>, hello: &Hello, accepts: Accepts) -> Result<Connection, Refused> {
-    let old = hello.resume.as_deref().and_then(|token| app.sessions.resume(token, accepts));
+    let old = hello
+        .resume
+        .as_deref()
+        .and_then(|token| app.sessions.resume(token, accepts));
     let resumed = old.is_some();
-    let (session, number) = match old {
-        Some(old) => old,
-        None => {
-            let created = app.sessions.create(&app.scenes.first, accepts);
-            let session = created.map_err(|full| {
-                Refused::new(Farewell::FULL, ErrorCode::TooManySessions, full.to_string())
-            })?;
-            let number = session.connection();
-            (session, number)
-        }
+    let (session, number) = if let Some(old) = old {
+        old
+    } else {
+        let created = app.sessions.create(&app.scenes.first, accepts);
+        let session = created.map_err(|full| {
+            Refused::new(Farewell::FULL, ErrorCode::TooManySessions, full.to_string())
+        })?;
+        let number = session.connection();
+        (session, number)
     };
     // From here on the session is given back if anything goes wrong.
-    let connection = Connection { app: Arc::clone(app), session, number };
+    let connection = Connection {
+        app: Arc::clone(app),
+        session,
+        number,
+    };
     let session = &connection.session;
     session.outbox.push(ServerMessage::Welcome(Welcome {
         protocol: PROTOCOL_VERSION,
@@ -122,7 +155,9 @@ fn open(app: &Arc<App>, hello: &Hello, accepts: Accepts) -> Result<Connection, R
         presets: presets::names().iter().map(preset).collect(),
         limits: limits(&app.limits),
     }));
-    session.outbox.push(ServerMessage::Scene(Box::new(session.scene_message())));
+    session
+        .outbox
+        .push(ServerMessage::Scene(Box::new(session.scene_message())));
     match check_size(&app.limits, hello.width, hello.height) {
         Ok(()) => {
             let input = session.wish().input;
@@ -140,7 +175,11 @@ fn open(app: &Arc<App>, hello: &Hello, accepts: Accepts) -> Result<Connection, R
 
 /// Why a size is refused, in words. Unit: pixel.
 pub(super) fn check_size(limits: &ServiceLimits, width: u32, height: u32) -> Result<(), String> {
-    let ServiceLimits { max_pixels, max_side, .. } = *limits;
+    let ServiceLimits {
+        max_pixels,
+        max_side,
+        ..
+    } = *limits;
     let sides = 1..=max_side;
     let pixels = u64::from(width) * u64::from(height);
     if sides.contains(&width) && sides.contains(&height) && pixels <= max_pixels {

@@ -38,18 +38,54 @@ struct Farewell {
 }
 
 impl Farewell {
-    const CLIENT_LEFT: Self = Self { code: 1000, reason: "" };
-    const GOING_DOWN: Self = Self { code: 1001, reason: "server is going down" };
-    const PROTOCOL: Self = Self { code: 1002, reason: "protocol version" };
-    const NOT_TEXT: Self = Self { code: 1003, reason: "only text messages are read" };
-    const HELLO: Self = Self { code: 1008, reason: "hello expected" };
-    const CODEC: Self = Self { code: 1008, reason: "no common codec" };
-    const MALFORMED: Self = Self { code: 1008, reason: "too many malformed messages" };
-    const UNREAD: Self = Self { code: 1008, reason: "too many unread messages" };
-    const TOO_LONG: Self = Self { code: 1009, reason: "message is too long or broken" };
-    const FULL: Self = Self { code: 1013, reason: "every session is taken" };
-    const TAKEN_OVER: Self = Self { code: 4001, reason: "another connection took over" };
-    const SILENT: Self = Self { code: 4002, reason: "connection is silent" };
+    const CLIENT_LEFT: Self = Self {
+        code: 1000,
+        reason: "",
+    };
+    const GOING_DOWN: Self = Self {
+        code: 1001,
+        reason: "server is going down",
+    };
+    const PROTOCOL: Self = Self {
+        code: 1002,
+        reason: "protocol version",
+    };
+    const NOT_TEXT: Self = Self {
+        code: 1003,
+        reason: "only text messages are read",
+    };
+    const HELLO: Self = Self {
+        code: 1008,
+        reason: "hello expected",
+    };
+    const CODEC: Self = Self {
+        code: 1008,
+        reason: "no common codec",
+    };
+    const MALFORMED: Self = Self {
+        code: 1008,
+        reason: "too many malformed messages",
+    };
+    const UNREAD: Self = Self {
+        code: 1008,
+        reason: "too many unread messages",
+    };
+    const TOO_LONG: Self = Self {
+        code: 1009,
+        reason: "message is too long or broken",
+    };
+    const FULL: Self = Self {
+        code: 1013,
+        reason: "every session is taken",
+    };
+    const TAKEN_OVER: Self = Self {
+        code: 4001,
+        reason: "another connection took over",
+    };
+    const SILENT: Self = Self {
+        code: 4002,
+        reason: "connection is silent",
+    };
 }
 
 /// Checks the request and turns it into a WebSocket.
@@ -85,14 +121,23 @@ fn check(
 ) -> Result<WebSocketUpgrade, Problem> {
     access::check_origin(app, headers)?;
     let upgrade = upgrade.map_err(|rejection| {
-        Problem::new(ErrorCode::Malformed, format!("this is a WebSocket: {rejection}"))
+        Problem::new(
+            ErrorCode::Malformed,
+            format!("this is a WebSocket: {rejection}"),
+        )
     })?;
     if app.shutdown.is_cancelled() {
-        return Err(Problem::new(ErrorCode::NotReady, "the server is going down"));
+        return Err(Problem::new(
+            ErrorCode::NotReady,
+            "the server is going down",
+        ));
     }
     // Connections that have not said hello are not sessions yet; they are bounded too.
     if app.sockets.len() >= 2 * app.limits.max_sessions {
-        return Err(Problem::new(ErrorCode::TooManySessions, "too many connections"));
+        return Err(Problem::new(
+            ErrorCode::TooManySessions,
+            "too many connections",
+        ));
     }
     app.sessions
         .check_room()
@@ -125,7 +170,12 @@ async fn converse(app: Arc<App>, socket: WebSocket) {
             if tokio::time::timeout(CLOSE_WITHIN, flushed).await.is_err() {
                 tracing::debug!(session, "the last messages did not leave in time");
             }
-            tracing::info!(session, code = farewell.code, reason = farewell.reason, "disconnected");
+            tracing::info!(
+                session,
+                code = farewell.code,
+                reason = farewell.reason,
+                "disconnected"
+            );
             farewell
         }
         Err(hello::Refused { farewell, error }) => {
@@ -145,7 +195,11 @@ async fn converse(app: Arc<App>, socket: WebSocket) {
 
 /// Reads and writes until one side has enough.
 async fn talk(connection: &Connection, sink: &mut Sink, stream: &mut Stream) -> Farewell {
-    let Connection { app, session, number } = connection;
+    let Connection {
+        app,
+        session,
+        number,
+    } = connection;
     tokio::select! {
         farewell = read::run(app, session, stream) => farewell,
         farewell = write::run(app, session, sink) => farewell,
@@ -164,7 +218,10 @@ async fn send(sink: &mut Sink, message: &ServerMessage) -> Result<(), axum::Erro
 async fn close(mut sink: Sink, mut stream: Stream, farewell: Farewell) {
     let Farewell { code, reason } = farewell;
     let handshake = async {
-        let frame = CloseFrame { code, reason: reason.into() };
+        let frame = CloseFrame {
+            code,
+            reason: reason.into(),
+        };
         if sink.send(Message::Close(Some(frame))).await.is_ok() {
             while let Some(Ok(_)) = stream.next().await {}
         }
@@ -176,5 +233,10 @@ async fn close(mut sink: Sink, mut stream: Stream, farewell: Farewell) {
 
 /// An error message about no particular path.
 fn error(code: ErrorCode, message: impl Into<String>, input: Option<u64>) -> ErrorMessage {
-    ErrorMessage { code, path: None, message: message.into(), input }
+    ErrorMessage {
+        code,
+        path: None,
+        message: message.into(),
+        input,
+    }
 }

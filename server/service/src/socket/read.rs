@@ -8,9 +8,7 @@ use futures_util::StreamExt as _;
 use tokio::task::JoinHandle;
 use tyndall_scene::Loaded;
 use tyndall_stream::pacing::Acknowledged;
-use tyndall_stream::protocol::{
-    ClientMessage, ErrorCode, ErrorMessage, OpenPreset, ServerMessage,
-};
+use tyndall_stream::protocol::{ClientMessage, ErrorCode, ErrorMessage, OpenPreset, ServerMessage};
 
 use super::{Farewell, Stream, error, hello};
 use crate::bell::lock;
@@ -41,7 +39,13 @@ struct Reader<'a> {
 
 /// Reads until the client leaves or goes too far.
 pub(super) async fn run(app: &Arc<App>, session: &Session, stream: &mut Stream) -> Farewell {
-    let mut reader = Reader { app, session, malformed: 0, opening: None, next: None };
+    let mut reader = Reader {
+        app,
+        session,
+        malformed: 0,
+        opening: None,
+        next: None,
+    };
     let silence = app.limits.ping_every * MAX_SILENT_PROBES;
     loop {
         let outcome = tokio::select! {
@@ -69,10 +73,7 @@ async fn built(opening: &mut Option<Opening>) -> (u64, Result<Arc<Loaded>, Build
 }
 
 impl Reader<'_> {
-    fn receive(
-        &mut self,
-        received: Option<Result<Message, axum::Error>>,
-    ) -> Result<(), Farewell> {
+    fn receive(&mut self, received: Option<Result<Message, axum::Error>>) -> Result<(), Farewell> {
         match received {
             Some(Ok(Message::Text(text))) => match ClientMessage::from_json(&text) {
                 Ok(message) => {
@@ -188,7 +189,11 @@ impl Reader<'_> {
         telemetry::malformed_message();
         self.malformed += 1;
         self.refuse(message)?;
-        if self.malformed < MAX_MALFORMED { Ok(()) } else { Err(Farewell::MALFORMED) }
+        if self.malformed < MAX_MALFORMED {
+            Ok(())
+        } else {
+            Err(Farewell::MALFORMED)
+        }
     }
 
     fn refuse(&self, message: ErrorMessage) -> Result<(), Farewell> {
@@ -196,6 +201,10 @@ impl Reader<'_> {
     }
 
     fn push(&self, message: ServerMessage) -> Result<(), Farewell> {
-        if self.session.outbox.push(message) { Ok(()) } else { Err(Farewell::UNREAD) }
+        if self.session.outbox.push(message) {
+            Ok(())
+        } else {
+            Err(Farewell::UNREAD)
+        }
     }
 }

@@ -19,7 +19,10 @@ pub(super) async fn run(app: &App, session: &Session, sink: &mut Sink) -> Farewe
     loop {
         let Some(outgoing) = session.outbox.take() else {
             let filled = session.outbox.filled();
-            if tokio::time::timeout(app.limits.ping_every, filled).await.is_ok() {
+            if tokio::time::timeout(app.limits.ping_every, filled)
+                .await
+                .is_ok()
+            {
                 continue;
             }
             // The answer keeps the reader from taking the client for dead.
@@ -31,7 +34,11 @@ pub(super) async fn run(app: &App, session: &Session, sink: &mut Sink) -> Farewe
         let sent = async {
             match outgoing {
                 Outgoing::Message(message) => send(sink, &message).await,
-                Outgoing::Frame(frame) => send_frame(session, sink, frame).await,
+                Outgoing::Frame(frame) => {
+                    // The render thread may begin another one.
+                    app.sessions.bell.ring();
+                    send_frame(session, sink, frame).await
+                }
             }
         };
         match tokio::time::timeout(app.limits.send_within, sent).await {
@@ -56,7 +63,11 @@ async fn send_frame(
     sink: &mut Sink,
     frame: EncodedFrame,
 ) -> Result<(), axum::Error> {
-    let EncodedFrame { header, message, stats } = frame;
+    let EncodedFrame {
+        header,
+        message,
+        stats,
+    } = frame;
     lock(&session.pacing).sent(header.frame_id, Instant::now());
     telemetry::frame_sent(message.len());
     sink.send(Message::Binary(message)).await?;

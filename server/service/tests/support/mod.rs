@@ -1,14 +1,18 @@
 //! A renderer that keeps time but draws nothing, a server on a free port, and a client.
 
 #![allow(dead_code, reason = "each test file uses its part")]
-#![allow(clippy::unwrap_used, clippy::missing_panics_doc, reason = "helpers of tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "helpers of tests"
+)]
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use futures_util::{SinkExt as _, StreamExt as _};
 use serde_json::{Value, json};
@@ -54,7 +58,7 @@ pub struct FakeView {
     scene: Arc<Scene>,
     size: (u32, u32),
     samples: u32,
-    finished: VecDeque<FinishedFrame>,
+    finished: VecDeque<(Instant, FinishedFrame)>,
 }
 
 impl FakeView {
@@ -71,10 +75,14 @@ impl Fake {
         let script = Arc::clone(script);
         Box::new(move || {
             if script.gone.load(Ordering::SeqCst) {
-                return Err(ServeError::Renderer(RenderError::DeviceLost("gone".to_owned())));
+                return Err(ServeError::Renderer(RenderError::DeviceLost(
+                    "gone".to_owned(),
+                )));
             }
             script.opened.fetch_add(1, Ordering::SeqCst);
-            Ok(Self { script: Arc::clone(&script) })
+            Ok(Self {
+                script: Arc::clone(&script),
+            })
         })
     }
 
@@ -105,7 +113,12 @@ impl Backend for Fake {
         height: u32,
     ) -> Result<FakeView, RenderError> {
         self.call()?;
-        Ok(FakeView { scene, size: (width, height), samples: 0, finished: VecDeque::new() })
+        Ok(FakeView {
+            scene,
+            size: (width, height),
+            samples: 0,
+            finished: VecDeque::new(),
+        })
     }
 
     fn update_view(&mut self, view: &mut FakeView, scene: Arc<Scene>) -> Result<(), RenderError> {
@@ -137,7 +150,8 @@ impl Backend for Fake {
         self.script.frames.fetch_add(1, Ordering::SeqCst);
         view.samples += 1;
         let (width, height) = view.size;
-        view.finished.push_back(FinishedFrame {
+        let ready = Instant::now() + Duration::from_millis(2);
+        let frame = FinishedFrame {
             tag,
             width,
             height,
@@ -148,7 +162,8 @@ impl Backend for Fake {
             stats: FrameStats::default(),
             pass_times: Vec::new(),
             render_micros: 2000,
-        });
+        };
+        view.finished.push_back((ready, frame));
         Ok(RenderOutcome::Submitted)
     }
 
@@ -162,7 +177,15 @@ impl Backend for Fake {
     }
 
     fn take_finished(&mut self, view: &mut FakeView) -> Option<FinishedFrame> {
-        view.finished.pop_front()
+        let ready = view
+            .finished
+            .front()
+            .is_some_and(|(ready, _)| *ready <= Instant::now());
+        if ready {
+            view.finished.pop_front().map(|(_, frame)| frame)
+        } else {
+            None
+        }
     }
 
     fn plan(&self, view: &FakeView) -> Plan {
@@ -194,7 +217,11 @@ pub fn scene(samples: u32) -> Loaded {
             "single_scattering": {"steps": 4, "jitter": true},
             "shadows": {"mode": "mapped", "resolution": 64}},
     });
-    build(SceneDescription::from_json(&text.to_string()).unwrap(), None).unwrap()
+    build(
+        SceneDescription::from_json(&text.to_string()).unwrap(),
+        None,
+    )
+    .unwrap()
 }
 
 /// A running service.
@@ -245,10 +272,17 @@ async fn launch(
     for _ in 0..6000 {
         if let Ok(text) = std::fs::read_to_string(&port_file) {
             let address = text.trim().parse().unwrap();
-            return Server { address, script, shutdown, ended, _folder: folder };
+            return Server {
+                address,
+                script,
+                shutdown,
+                ended,
+                _folder: folder,
+            };
         }
         if ended.is_finished() {
-            panic!("the service did not start: {:?}", ended.await);
+            let outcome = ended.await.unwrap();
+            panic!("the service did not start: {outcome:?}");
         }
         tokio::time::sleep(Duration::from_millis(10)).await;
     }
@@ -266,7 +300,11 @@ impl Server {
     pub async fn http(&self, request: &str, body: &str) -> (u16, String, String) {
         let mut stream = TcpStream::connect(self.address).await.unwrap();
         let (line, headers) = request.split_once('\n').unwrap_or((request, ""));
-        let headers: String = headers.lines().map(|header| format!("{header}\r\n")).collect();
+        let headers: Vec<&str> = headers
+            .lines()
+            .flat_map(|header| [header, "\r\n"])
+            .collect();
+        let headers = headers.concat();
         let text = format!(
             "{line} HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nContent-Length: {}\r\n{headers}\r\n{body}",
             self.address,
@@ -311,7 +349,10 @@ impl Client {
     pub async fn connect(server: &Server) -> Self {
         let url = format!("ws://{}/v1/stream", server.address);
         let (socket, _) = connect_async(url).await.unwrap();
-        Self { socket, polite: true }
+        Self {
+            socket,
+            polite: true,
+        }
     }
 
     /// Connects with headers; an error is the HTTP status.
@@ -326,7 +367,10 @@ impl Client {
             request.headers_mut().insert(*name, value.parse().unwrap());
         }
         match connect_async(request).await {
-            Ok((socket, _)) => Ok(Self { socket, polite: true }),
+            Ok((socket, _)) => Ok(Self {
+                socket,
+                polite: true,
+            }),
             Err(Error::Http(response)) => Err(response.status().as_u16()),
             Err(other) => panic!("{other}"),
         }
@@ -345,7 +389,10 @@ impl Client {
     }
 
     pub async fn raw(&mut self, text: &str) {
-        self.socket.send(Message::Text(text.to_owned().into())).await.unwrap();
+        self.socket
+            .send(Message::Text(text.to_owned().into()))
+            .await
+            .unwrap();
     }
 
     pub async fn ack(&mut self, frame: u32) {

@@ -10,7 +10,9 @@ pub(super) struct JpegEncoder {
 
 impl JpegEncoder {
     pub(super) fn new() -> Result<Self, EncodeError> {
-        Ok(Self { compressor: turbojpeg::Compressor::new()? })
+        Ok(Self {
+            compressor: turbojpeg::Compressor::new()?,
+        })
     }
 
     pub(super) fn encode(

@@ -55,7 +55,9 @@ pub struct Picture<'a> {
 #[derive(Debug, thiserror::Error)]
 pub enum EncodeError {
     /// A side outside the range, or pixels that do not fit the size.
-    #[error("picture of {width}x{height} with {bytes} bytes, expected 4 a pixel and sides of 1 to {MAX_SIDE}")]
+    #[error(
+        "picture of {width}x{height} with {bytes} bytes, expected 4 a pixel and sides of 1 to {MAX_SIDE}"
+    )]
     Picture {
         /// Unit: pixel.
         width: u32,
@@ -91,7 +93,10 @@ impl Encoder {
     /// # Errors
     /// When the JPEG library cannot allocate its state.
     pub fn new() -> Result<Self, EncodeError> {
-        Ok(Self { jpeg: jpeg::JpegEncoder::new()?, png: png::PngEncoder::default() })
+        Ok(Self {
+            jpeg: jpeg::JpegEncoder::new()?,
+            png: png::PngEncoder::default(),
+        })
     }
 
     /// Appends the compressed picture to `out`, so that a caller can leave room for the header.
@@ -105,10 +110,18 @@ impl Encoder {
         choice: EncodeChoice,
         out: &mut Vec<u8>,
     ) -> Result<(), EncodeError> {
-        let Picture { width, height, rgba } = picture;
+        let Picture {
+            width,
+            height,
+            rgba,
+        } = picture;
         let fits = rgba.len() as u64 == 4 * u64::from(width) * u64::from(height);
         if !fits || !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
-            return Err(EncodeError::Picture { width, height, bytes: rgba.len() });
+            return Err(EncodeError::Picture {
+                width,
+                height,
+                bytes: rgba.len(),
+            });
         }
         let start = out.len();
         let result = match choice {
