@@ -22,7 +22,7 @@ fn main() {
     println!("cargo::rerun-if-changed=wesl");
     println!("cargo::rerun-if-changed=permutations.txt");
     let list = std::fs::read_to_string(root.join("permutations.txt")).expect("permutations.txt");
-    let mut features_known = features_used(&root.join("wesl"));
+    let features_known = features_used(&root.join("wesl"));
     let mut table = String::from("&[\n");
     let mut failures = Vec::new();
     for line in list.lines() {
@@ -48,7 +48,6 @@ fn main() {
         }
     }
     table.push_str("]\n");
-    features_known.clear();
     assert!(
         failures.is_empty(),
         "{} shaders failed:\n\n{}",
@@ -132,31 +131,35 @@ fn row(name: &str, file: &str, module: &naga::Module) -> String {
         })
         .collect();
     bindings.sort();
-    let _ = writeln!(
+    writeln!(
         row,
         "Shader {{ name: {name:?}, wgsl: include_str!(concat!(env!(\"OUT_DIR\"), \"/{file}\")), entry_points: &["
-    );
+    )
+    .expect("a string takes everything");
     for entry in &module.entry_points {
         let [x, y, z] = entry.workgroup_size;
-        let _ = writeln!(
+        writeln!(
             row,
             "EntryPoint {{ name: {:?}, stage: Stage::{:?}, workgroup_size: [{x}, {y}, {z}] }},",
             entry.name, entry.stage
-        );
+        )
+        .expect("a string takes everything");
     }
     row.push_str("], bindings: &[");
     for (group, binding, item) in bindings {
-        let _ = writeln!(
+        writeln!(
             row,
             "Binding {{ group: {group}, binding: {binding}, name: {item:?} }},"
-        );
+        )
+        .expect("a string takes everything");
     }
     row.push_str("], overrides: &[");
     for (_, constant) in module.overrides.iter() {
         let item = constant.name.as_deref().unwrap_or_default();
         let item = item.split("__").next().unwrap_or_default();
         let key = constant.id.expect("every override has an @id");
-        let _ = writeln!(row, "Override {{ name: {item:?}, key: \"{key}\" }},");
+        writeln!(row, "Override {{ name: {item:?}, key: \"{key}\" }},")
+            .expect("a string takes everything");
     }
     row.push_str("] },\n");
     row

@@ -1,4 +1,4 @@
-//! Reads float32 arrays from NumPy's `.npz`: a zip of `.npy` files.
+//! Reads `float32` arrays from `NumPy`'s `.npz`: a zip of `.npy` files.
 
 use std::fs::File;
 use std::io::Read as _;

@@ -11,6 +11,6 @@ pub fn find(what: &str) -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    println!("SKIPPED: {what}: {} is absent", folder.display());
+    eprintln!("SKIPPED: {what}: {} is absent", folder.display());
     None
 }

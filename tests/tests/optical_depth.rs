@@ -113,7 +113,7 @@ fn a_horizontal_ray_through_height_fog_is_exact_where_the_textbook_form_divides_
     let values = probe::medium_values(&fog_scene(&json!([
         { "kind": "height_fog", "sigma_t": 1.0, "albedo": 1.0, "falloff": 0.5, "origin": [0, 0, 0] }
     ])));
-    for tilt in [0.0_f32, 1e-7, 1e-5, -1e-6] {
+    for tilt in [0.0_f32, 1e-7, 1e-6, -1e-6] {
         let input = [[0.0_f32, 1.0, 0.0, 4.0], [1.0, tilt, 0.0, 0.0]];
         let tau = optical_depths(&device, &values, &input)[0][0];
         assert!(

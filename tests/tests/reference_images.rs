@@ -5,6 +5,12 @@
 //! and the ratio of the means. The pictures are converged (jittered march, traced shadows), so what is
 //! left is bias and the reference's outliers.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helper functions of tests"
+)]
+
 use tyndall_scene::{ShadowMode, StopRule};
 use tyndall_tests::{gpu, npz, pm_ref, shared_folder};
 

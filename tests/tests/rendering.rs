@@ -1,5 +1,11 @@
 //! Pictures on a device against closed forms and against themselves where physics says they are equal.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helper functions of tests"
+)]
+
 use std::sync::Arc;
 
 use serde_json::{Value, json};

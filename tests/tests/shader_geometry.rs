@@ -17,8 +17,10 @@ fn the_rasterizer_and_the_rays_agree_on_where_a_pixel_looks() {
     let offset = [0.23_f32, 0.81];
     let frame = probe::frame_values(&scene, (width, height), offset);
     // The documented camera in f64.
-    let forward = (DVec3::new(-1.0, 0.5, -2.0) - DVec3::new(3.0, 2.0, 5.0)).normalize();
-    let right = forward.cross(DVec3::new(0.1, 1.0, 0.0)).normalize();
+    let forward = (DVec3::new(-1.0, 0.5, -2.0) - DVec3::new(3.0, 2.0, 5.0)).normalize_or(DVec3::X);
+    let right = forward
+        .cross(DVec3::new(0.1, 1.0, 0.0))
+        .normalize_or(DVec3::X);
     let up = right.cross(forward);
     let tan_y = 25_f64.to_radians().tan();
     let tan_x = tan_y * f64::from(width) / f64::from(height);

@@ -286,8 +286,8 @@ name?: string,
  */
 path: string, 
 /**
- * Candela, lux (and W by definition of 1 cd = 1/K W/sr) of `KHR_lights_punctual` are
- * divided by this. Unit: lm/W. Range: 1e−3 to 1e6.
+ * Candela and lux of `KHR_lights_punctual` are divided by this. Unit: lm/W. Range: 1e−3 to
+ * 1e6.
  */
 luminous_efficacy: number, 
 /**
@@ -1043,11 +1043,11 @@ samples: number,
  */
 converged: boolean, 
 /**
- * Mean over pixels of the medium's transmittance. Range: 0 to 1.
+ * Mean over pixels and channels of the transmittance to the first surface. Range: 0 to 1.
  */
 mean_transmittance: number, 
 /**
- * Mean luminance before exposure. Unit: W·m⁻²·sr⁻¹.
+ * Mean luminance after exposure and curve, before encoding. Range: 0 to 1.
  */
 mean_luminance: number, 
 /**

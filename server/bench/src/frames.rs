@@ -223,7 +223,7 @@ impl fmt::Display for Row {
         let mebibytes = |bytes: Option<u64>| {
             bytes.map_or_else(
                 || "?".to_owned(),
-                |b| format!("{:.1}", b as f64 / 1048576.0),
+                |b| format!("{:.1}", b as f64 / 1_048_576.0),
             )
         };
         write!(

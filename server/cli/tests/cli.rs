@@ -39,7 +39,7 @@ fn refused(arguments: &[&str], named: &[&str]) {
 
 fn scene_file(folder: &TempDir, json: &str) -> String {
     let path = folder.path().join("scene.json");
-    fs::write(&path, json).unwrap();
+    fs::write(&path, json).expect("the folder was just made");
     path.to_string_lossy().into_owned()
 }
 
@@ -145,7 +145,7 @@ fn render_to(path: &Path, extra: &[&str]) -> Output {
 
 #[test]
 fn render_writes_an_exr_with_linear_radiance_and_transmittance() {
-    use exr::prelude::*;
+    use exr::prelude::{Vec2, read_first_flat_layer_from_file};
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("out.exr");
     let output = render_to(&path, &[]);
@@ -153,7 +153,7 @@ fn render_writes_an_exr_with_linear_radiance_and_transmittance() {
     let image = read_first_flat_layer_from_file(&path).expect("a readable EXR");
     let layer = &image.layer_data;
     assert_eq!(layer.size, Vec2(32, 24));
-    let names: std::vec::Vec<String> = layer
+    let names: Vec<String> = layer
         .channel_data
         .list
         .iter()
@@ -161,7 +161,7 @@ fn render_writes_an_exr_with_linear_radiance_and_transmittance() {
         .collect();
     assert_eq!(names, ["B", "G", "R", "T"]);
     for channel in &layer.channel_data.list {
-        let values: std::vec::Vec<f32> = channel.sample_data.values_as_f32().collect();
+        let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
         assert!(values.iter().all(|v| v.is_finite() && *v >= 0.0));
         assert!(values.iter().any(|v| *v > 0.0), "{} is black", channel.name);
     }

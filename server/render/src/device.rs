@@ -41,6 +41,7 @@ pub struct AdapterSummary {
 
 /// An open device. Errors it reports outside calls are collected, not printed.
 #[derive(Debug)]
+#[allow(clippy::struct_field_names, reason = "wgpu calls it a device, too")]
 pub struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
@@ -89,7 +90,11 @@ impl Device {
         let summary = summarize(&adapter.get_info());
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("tyndall noop"),
-            required_limits: adapter.limits(),
+            required_limits: wgpu::Limits {
+                // wgpu's own tables hold no more.
+                max_bind_groups: adapter.limits().max_bind_groups.min(8),
+                ..adapter.limits()
+            },
             ..Default::default()
         }))
         .map_err(|source| DeviceError::Refused {
@@ -122,7 +127,7 @@ impl Device {
 
     /// Every Vulkan adapter, best first.
     pub fn adapters() -> Vec<AdapterSummary> {
-        let mut found: Vec<_> = enumerate().iter().map(|a| a.get_info()).collect();
+        let mut found: Vec<_> = enumerate().iter().map(wgpu::Adapter::get_info).collect();
         found.sort_by_key(|info| rank(info.device_type));
         found.iter().map(summarize).collect()
     }

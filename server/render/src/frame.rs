@@ -41,7 +41,7 @@ pub(crate) fn record(
             }
             PassKind::Shade => surfaces::record_shade(recording, &bindings, targets, variant)?,
             PassKind::SingleScattering => {
-                single_scattering::record(recording, &bindings, targets, variant)?
+                single_scattering::record(recording, &bindings, targets, variant)?;
             }
             PassKind::Film => image::record(recording, &bindings, targets, variant)?,
             PassKind::Tonemap => tonemap::record(recording, &bindings, targets, variant)?,

@@ -8,6 +8,10 @@ use crate::targets::Targets;
 
 /// What differs between two states of a view, as far as the picture is concerned.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "four independent kinds of change"
+)]
 pub(crate) struct Change {
     /// Triangles, materials or textures.
     pub geometry: bool,

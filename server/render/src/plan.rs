@@ -258,10 +258,10 @@ fn plan_march(
             facts.media
         );
         if steps < wanted {
-            why.push_str(&format!(
-                "; {wanted} were asked for, but this driver stops a shader after {} loop iterations",
+            why = format!(
+                "{why}; {wanted} were asked for, but this driver stops a shader after {} loop iterations",
                 limits.loop_cap.unwrap_or_default()
-            ));
+            );
         }
         plan.run(pass, &format!("single_scattering+{phase}{suffix}"), why);
         return true;

@@ -16,7 +16,7 @@ const SLOTS: usize = 3;
 /// Copies start at multiples of this.
 const ALIGNMENT: u64 = 256;
 /// Longest wait for the device before it counts as hung.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(120);
+pub(crate) const PATIENCE: Duration = Duration::from_mins(2);
 
 const FREE: u8 = 0;
 const WAITING: u8 = 1;
@@ -297,6 +297,8 @@ pub(crate) fn wait(device: &Device) -> Result<(), RenderError> {
             wgpu::PollError::Timeout => RenderError::Timeout {
                 seconds: PATIENCE.as_secs(),
             },
-            other => RenderError::Refused(other.to_string()),
+            other @ wgpu::PollError::WrongSubmissionIndex(..) => {
+                RenderError::Refused(other.to_string())
+            }
         })
 }

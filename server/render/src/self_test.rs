@@ -83,9 +83,11 @@ fn dispatch(device: &Device, single: u32, nested: u32) -> Result<Vec<u32>, Strin
     let groups = program
         .bind(device, &bindings)
         .map_err(|error| error.to_string())?;
-    let mut encoder = device.device.create_command_encoder(&Default::default());
+    let mut encoder = device
+        .device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         program.set(&mut pass, &groups);
         pass.dispatch_workgroups(GROUPS, 1, 1);
     }

@@ -62,7 +62,7 @@ impl Render {
         let bar = self.bar(scene.render.stop)?;
         let started = Instant::now();
         let still = renderer.render_still(&mut view, |progress| {
-            bar.set_position(progress.samples.into())
+            bar.set_position(progress.samples.into());
         })?;
         let seconds = started.elapsed().as_secs_f64();
         bar.finish_and_clear();

@@ -369,7 +369,7 @@ fn pose(position: DVec3, forward: DVec3, lens: Lens) -> Pose {
     } else {
         DVec3::X
     };
-    let right = forward.cross(helper).normalize();
+    let right = forward.cross(helper).normalize_or(DVec3::X);
     Pose {
         position,
         right,

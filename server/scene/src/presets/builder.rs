@@ -295,21 +295,6 @@ pub(super) fn fog(sigma_t: f64, albedo: [f64; 3], g: f64, bounds: Bounds) -> Med
     })
 }
 
-/// A box that glows and lets all light through. Unit of `emission`: W·m⁻³·sr⁻¹.
-pub(super) fn glow(name: &str, emission: [f64; 3], bounds: Bounds) -> MediumDescription {
-    MediumDescription::Homogeneous(HomogeneousMedium {
-        name: Some(name.to_owned()),
-        sigma_s: Some(Rgb::grey(0.0)),
-        sigma_a: Some(Rgb::grey(0.0)),
-        sigma_t: None,
-        albedo: None,
-        g: 0.0,
-        emission: Rgb(emission),
-        density_scale: 1.0,
-        bounds: Some(bounds),
-    })
-}
-
 /// Height fog over y = 0 in a box. Unit of `sigma_t` and `falloff`: m⁻¹.
 pub(super) fn height_fog(
     sigma_t: f64,

@@ -2,7 +2,7 @@
 //! 44° high: its shafts cross under the right arcade and end in the middle of the floor.
 
 use super::builder::{
-    Arch, Builder, Triangles, camera, fog, glossy, glow, glowing, matte, point, spot, sun,
+    Arch, Builder, Triangles, camera, fog, glossy, glowing, matte, point, spot, sun,
 };
 use crate::description::{Bounds, MaterialDescription, SceneDescription};
 
@@ -24,6 +24,7 @@ pub(super) fn description() -> SceneDescription {
     end_wall(&mut hall, &stone);
     arcades(&mut hall, &pale);
     furniture(&mut hall);
+    daylight(&mut hall);
 
     let lights = vec![
         sun([-0.45, -0.75, -0.62], [26.0, 21.5, 15.5]),
@@ -42,23 +43,28 @@ pub(super) fn description() -> SceneDescription {
         min: [-x, 0.0, -z],
         max: [x, y, z],
     };
-    // Daylight behind the windows: seen through them, and no obstacle to the sun.
-    let daylight = [0.42, 0.55, 0.75];
-    let side = Bounds {
-        min: [-x, 0.5, z + WALL],
-        max: [x, y, z + WALL + 1.0],
-    };
-    let end = Bounds {
-        min: [x + WALL, 0.5, -z],
-        max: [x + WALL + 1.0, y, z],
-    };
-    let media = vec![
-        fog(0.045, [0.97, 0.97, 0.96], 0.45, inside),
-        glow("daylight beside", daylight, side),
-        glow("daylight ahead", daylight, end),
-    ];
+    let media = vec![fog(0.045, [0.97, 0.97, 0.96], 0.45, inside)];
     let camera = camera([-10.6, 1.75, 1.05], [2.0, 2.75, -0.35], 56.0, 1.0);
     hall.scene("Fogged hall", camera, lights, media)
+}
+
+/// A bright sky seen through the windows, far and low enough to let the sun pass over it.
+fn daylight(hall: &mut Builder) {
+    let sky = glowing([0.42, 0.55, 0.75]);
+    let [x, y, z] = HALL;
+    let (ahead, beside) = (x + 6.0, z + 6.0);
+    hall.quad(
+        [ahead, -1.0, -z - 1.0],
+        [0.0, y + 1.0, 0.0],
+        [0.0, 0.0, 2.0 * z + 2.0],
+        &sky,
+    );
+    hall.quad(
+        [-x, -1.0, beside],
+        [2.0 * x, 0.0, 0.0],
+        [0.0, y + 1.0, 0.0],
+        &sky,
+    );
 }
 
 /// Floor, ceiling with beams, and the two walls without windows.

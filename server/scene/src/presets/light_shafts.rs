@@ -57,7 +57,7 @@ pub(super) fn description() -> SceneDescription {
         max: [x, y, z],
     };
     let lights = vec![sun([-0.42, -0.85, 0.26], [34.0, 29.0, 21.0])];
-    let media = vec![fog(0.09, [0.96, 0.95, 0.93], 0.5, inside)];
-    let camera = camera([-3.6, 1.35, 3.4], [0.9, 1.75, -2.0], 58.0, 0.8);
+    let media = vec![fog(0.06, [0.96, 0.95, 0.93], 0.5, inside)];
+    let camera = camera([-3.6, 1.35, 3.4], [0.9, 1.75, -2.0], 58.0, -0.4);
     barn.scene("Light shafts", camera, lights, media)
 }
