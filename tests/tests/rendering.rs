@@ -375,3 +375,37 @@ fn impossible_sizes_are_errors() {
         renderer.render_still(&mut view, |_| {}).unwrap();
     }
 }
+
+#[test]
+fn a_refused_update_leaves_the_view_as_it_was() {
+    let mut renderer = gpu::renderer();
+    let mut scene = small_preset("cornell_fog", 48, 32, 2);
+    scene
+        .lights
+        .push(tyndall_scene::Light::Point(tyndall_scene::PointLight {
+            name: String::new(),
+            position: scene.camera.position,
+            intensity: [0.1; 3],
+            radius: 0.01,
+            casts_shadows: true,
+        }));
+    let mut view = renderer
+        .create_view(Arc::new(scene.clone()), 48, 32)
+        .unwrap();
+    let before = renderer.render_still(&mut view, |_| {}).unwrap();
+    let mut too_large = scene.clone();
+    too_large.render.shadows.resolution = 8192;
+    let error = renderer
+        .update_view(&mut view, Arc::new(too_large))
+        .unwrap_err();
+    assert!(matches!(error, RenderError::TooLarge { .. }), "{error}");
+    scene.render.seed = 5;
+    renderer
+        .update_view(&mut view, Arc::new(scene.clone()))
+        .unwrap();
+    renderer.render_still(&mut view, |_| {}).unwrap();
+    scene.render.seed = 0;
+    renderer.update_view(&mut view, Arc::new(scene)).unwrap();
+    let after = renderer.render_still(&mut view, |_| {}).unwrap();
+    assert_eq!(before.radiance, after.radiance);
+}

@@ -6,7 +6,7 @@ import type { Size } from './outbox';
 export type ResolutionScale = 'auto' | number;
 
 /** What a software renderer on a few cores still turns into a steerable picture. Unit: pixel. */
-const SOFTWARE_PIXELS = 130_000;
+const SOFTWARE_PIXELS = 150_000;
 /** Beyond full HD, coding a JPEG takes longer than rendering it. Unit: pixel. */
 const AUTO_PIXELS = 2_100_000;
 

@@ -20,7 +20,7 @@ struct Arguments {
         long,
         global = true,
         env = "TYNDALL_LOG",
-        default_value = "info,wgpu=warn,naga=warn"
+        default_value = "info,wgpu=warn,naga=warn,wgpu_hal::vulkan::instance=off"
     )]
     log: String,
     /// One JSON object a line instead of text.

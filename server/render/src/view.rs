@@ -78,10 +78,15 @@ impl View {
     ) -> Result<Self, RenderError> {
         let facts = tyndall_scene::facts(&scene);
         let plan = plan(&facts, &scene.render, &limits);
-        let mut view = Self {
+        if plan.runs(PassKind::Bvh) {
+            geometry.need_bvh(device)?;
+        }
+        let mut shadows = ShadowMaps::new(device);
+        fit_shadows(&mut shadows, device, &scene, &facts, &plan)?;
+        Ok(Self {
             targets: Targets::new(device, width, height, needs(&plan))?,
             inputs: Inputs::new(device, &scene),
-            shadows: ShadowMaps::new(device),
+            shadows,
             image: Image::new(),
             ring: ReadbackRing::new(device, width, height),
             timing: Timing::new(device),
@@ -91,12 +96,11 @@ impl View {
             plan,
             geometry,
             limits,
-        };
-        view.refit(device)?;
-        Ok(view)
+        })
     }
 
-    /// Takes a new state of the scene; `geometry` is its geometry on the device.
+    /// Takes a new state of the scene; `geometry` is its geometry on the device. What can fail comes
+    /// before anything is taken, so on an error the view is as it was.
     pub(crate) fn update(
         &mut self,
         device: &Device,
@@ -106,15 +110,24 @@ impl View {
         let change = Change::between(&self.scene, &scene);
         let facts = tyndall_scene::facts(&scene);
         let plan = plan(&facts, &scene.render, &self.limits);
-        if change.geometry || needs(&plan) != needs(&self.plan) {
-            let (width, height) = (self.targets.width, self.targets.height);
-            self.targets = Targets::new(device, width, height, needs(&plan))?;
+        let (width, height) = self.size();
+        let targets = if change.geometry || needs(&plan) != needs(&self.plan) {
+            Some(Targets::new(device, width, height, needs(&plan))?)
+        } else {
+            None
+        };
+        if plan.runs(PassKind::Bvh) {
+            geometry.need_bvh(device)?;
+        }
+        fit_shadows(&mut self.shadows, device, &scene, &facts, &plan)?;
+        if change.geometry {
+            self.shadows.invalidate();
         }
         if change.geometry || !self.inputs.fits(&scene) {
             self.inputs = Inputs::new(device, &scene);
         }
-        if change.geometry {
-            self.shadows.invalidate();
+        if let Some(targets) = targets {
+            self.targets = targets;
         }
         self.scene = scene;
         self.facts = facts;
@@ -122,7 +135,7 @@ impl View {
         self.geometry = geometry;
         self.stale |= change.geometry || change.radiance;
         self.image.apply(change);
-        self.refit(device)
+        Ok(())
     }
 
     pub(crate) fn resize(
@@ -138,18 +151,6 @@ impl View {
         self.ring = ReadbackRing::new(device, width, height);
         self.image.restart();
         Ok(())
-    }
-
-    /// Brings what the plan needs up to the scene's state.
-    fn refit(&mut self, device: &Device) -> Result<(), RenderError> {
-        if self.plan.runs(PassKind::Bvh) {
-            self.geometry.need_bvh(device)?;
-        }
-        let mapped = self.plan.runs(PassKind::ShadowMaps);
-        let casters = self.facts.surface_bounds.filter(|_| mapped);
-        let resolution = self.scene.render.shadows.resolution;
-        self.shadows
-            .update(device, &self.scene.lights, casters, resolution)
     }
 
     pub(crate) fn limits(&self) -> PlanLimits {
@@ -206,6 +207,21 @@ impl View {
             ShadowMode::Off
         }
     }
+}
+
+/// Fits the depth maps to what the plan looks up in them.
+fn fit_shadows(
+    shadows: &mut ShadowMaps,
+    device: &Device,
+    scene: &Scene,
+    facts: &SceneFacts,
+    plan: &FramePlan,
+) -> Result<(), RenderError> {
+    let casters = facts
+        .surface_bounds
+        .filter(|_| plan.runs(PassKind::ShadowMaps));
+    let resolution = scene.render.shadows.resolution;
+    shadows.update(device, &scene.lights, casters, resolution)
 }
 
 fn needs(plan: &FramePlan) -> TargetNeeds {

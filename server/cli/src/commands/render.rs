@@ -32,7 +32,7 @@ pub struct Render {
     #[arg(long, conflicts_with = "time")]
     samples: Option<u32>,
     /// Seconds of rendering.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     time: Option<f64>,
     /// Seed of every random number.
     #[arg(long)]

@@ -79,7 +79,8 @@ impl ShadowMaps {
         }
     }
 
-    /// Fits the maps to the lights; keeps every layer whose pose is unchanged.
+    /// Fits the maps to the lights; keeps every layer whose pose is unchanged. On an error nothing
+    /// changes.
     pub fn update(
         &mut self,
         device: &Device,
@@ -88,7 +89,7 @@ impl ShadowMaps {
         resolution: u32,
     ) -> Result<(), RenderError> {
         let mut poses = Vec::new();
-        self.first = lights
+        let first = lights
             .iter()
             .map(|light| {
                 let bounds = casters.filter(|_| light.casts_shadows() && is_lit(light))?;
@@ -109,6 +110,7 @@ impl ShadowMaps {
                 self.current[i] &= *pose == self.poses[i];
             }
         }
+        self.first = first;
         self.resolution = resolution;
         self.poses = poses;
         Ok(())
