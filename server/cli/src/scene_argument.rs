@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use clap::Args;
-use tyndall_render::DeviceOptions;
+use tyndall_render::{DeviceOptions, approximations};
 use tyndall_scene::{Loaded, presets};
 
 /// Which adapter renders.
@@ -41,6 +41,9 @@ pub fn load(name: &str) -> anyhow::Result<Loaded> {
     };
     for warning in &loaded.warnings {
         tracing::warn!("{name}: {warning}");
+    }
+    for remark in approximations(&loaded.scene) {
+        tracing::warn!("{name}: {remark}");
     }
     Ok(loaded)
 }

@@ -34,6 +34,6 @@ pub use readback::{FinishedFrame, FrameStats};
 pub use renderer::{RenderOutcome, Renderer};
 pub use self_test::SelfTest;
 pub use still::{Still, StillProgress};
-pub use supported::{NotRenderedYet, check_supported};
+pub use supported::{NotRenderedYet, approximations, check_supported};
 pub use timing::PassTime;
 pub use view::View;

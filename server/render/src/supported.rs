@@ -53,3 +53,28 @@ pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
         Err(NotRenderedYet { fields })
     }
 }
+
+/// What a scene asks for that is rendered in a simpler form: said aloud, never ignored.
+pub fn approximations(scene: &Scene) -> Vec<String> {
+    let materials = &scene.geometry.materials;
+    let normal_mapped = materials
+        .iter()
+        .filter(|m| m.normal_texture.is_some())
+        .count();
+    let glossy = materials
+        .iter()
+        .filter(|m| m.metallic > 0.0 || m.roughness < 1.0 || m.metallic_roughness_texture.is_some())
+        .count();
+    let mut found = Vec::new();
+    if normal_mapped > 0 {
+        found.push(format!(
+            "{normal_mapped} materials have normal maps, which are not rendered yet"
+        ));
+    }
+    if glossy > 0 {
+        found.push(format!(
+            "{glossy} materials are metallic or glossy and are shaded as Lambertian for now"
+        ));
+    }
+    found
+}

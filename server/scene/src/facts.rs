@@ -17,7 +17,7 @@ pub struct SceneFacts {
     pub triangles: u64,
     /// Placed meshes.
     pub instances: usize,
-    /// Textures some material uses.
+    /// Textures of base colour and emission in use.
     pub textures: usize,
     /// Instances whose material has an alpha cutoff.
     pub alpha_masked_instances: usize,
@@ -125,7 +125,7 @@ fn albedo(medium: &Medium) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// Textures of materials that some instance shows.
+/// Textures of base colour and emission that some instance shows: what the passes read.
 fn used_textures(geometry: &Geometry) -> BTreeSet<usize> {
     let materials: BTreeSet<usize> = geometry
         .instances
@@ -136,12 +136,7 @@ fn used_textures(geometry: &Geometry) -> BTreeSet<usize> {
         .into_iter()
         .flat_map(|index| {
             let material = &geometry.materials[index];
-            [
-                material.base_color_texture,
-                material.emission_texture,
-                material.metallic_roughness_texture,
-                material.normal_texture,
-            ]
+            [material.base_color_texture, material.emission_texture]
         })
         .flatten()
         .map(|texture| texture.texture)
