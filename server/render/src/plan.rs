@@ -288,7 +288,8 @@ pub(crate) fn march_steps(
     } else {
         0
     };
-    let per_step = 2 * media + lights * (1 + 2 * media + per_ray);
+    // Emission visits the media twice a step; each light for its source and for both legs.
+    let per_step = 1 + 2 * media + lights * (1 + 3 * media + per_ray);
     wanted.min(((cap - 2000) / per_step).max(1))
 }
 
