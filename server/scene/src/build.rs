@@ -16,8 +16,8 @@ use crate::import::{self, Imported};
 use crate::limits::Limits;
 use crate::scene::{
     Aabb, Camera, DirectionalLight, Environment, Light, Medium, MediumShape, PointLight,
-    RenderSettings, Scene, ShadowSettings, SharedGeometry, SingleScatteringSettings, SpotLight,
-    StopRule,
+    ReferenceSettings, RenderSettings, Scene, ShadowSettings, SharedGeometry,
+    SingleScatteringSettings, SpotLight, StopRule,
 };
 use crate::validate;
 
@@ -246,6 +246,11 @@ fn render(render: &RenderDescription) -> RenderSettings {
         single_scattering: SingleScatteringSettings {
             steps: render.single_scattering.steps,
             jitter: render.single_scattering.jitter,
+        },
+        reference: ReferenceSettings {
+            max_scatterings: render.reference.max_scatterings,
+            max_surface_scatterings: render.reference.max_surface_scatterings,
+            medium_order: render.reference.medium_order.into(),
         },
         shadows: ShadowSettings {
             mode: render.shadows.mode.into(),

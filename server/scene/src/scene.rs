@@ -380,6 +380,8 @@ pub struct RenderSettings {
     pub seed: u64,
     /// Settings of the `single_scattering` march.
     pub single_scattering: SingleScatteringSettings,
+    /// Which paths the `reference` counts.
+    pub reference: ReferenceSettings,
     /// How visibility toward lights is found.
     pub shadows: ShadowSettings,
 }
@@ -417,6 +419,31 @@ pub struct SingleScatteringSettings {
     pub steps: u32,
     /// Random position inside each stratum; otherwise its midpoint.
     pub jitter: bool,
+}
+
+/// Which paths the `reference` counts: those that keep all three rules.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ReferenceSettings {
+    /// Most scatterings of a path on surfaces and in media.
+    pub max_scatterings: Option<u32>,
+    /// Most scatterings on surfaces.
+    pub max_surface_scatterings: Option<u32>,
+    /// How often a path scatters in media.
+    pub medium_order: MediumOrder,
+}
+
+/// How often a path scatters in media.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum MediumOrder {
+    /// Any number of times.
+    #[default]
+    All,
+    /// Never.
+    None,
+    /// Exactly once.
+    Single,
+    /// At least twice.
+    Multiple,
 }
 
 /// How visibility toward lights is found.

@@ -32,6 +32,8 @@ pub struct RenderDescription {
     pub seed: u64,
     /// Settings of the `single_scattering` march.
     pub single_scattering: SingleScattering,
+    /// Which paths the `reference` counts.
+    pub reference: Reference,
     /// How visibility toward lights is found.
     pub shadows: Shadows,
 }
@@ -44,6 +46,38 @@ pub struct SingleScattering {
     pub steps: u32,
     /// Random position inside each stratum; otherwise its midpoint.
     pub jitter: bool,
+}
+
+/// Which paths the `reference` counts; all of them if nothing is said.
+///
+/// A path camera → x₁ … x_k → light has k scatterings, on surfaces or in media.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(deny_unknown_fields, default)]
+#[ts(optional_fields)]
+pub struct Reference {
+    /// Most scatterings of a path, k; unlimited if left out. Range: 0 to 65535.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_scatterings: Option<u32>,
+    /// Most scatterings on surfaces; unlimited if left out. Range: 0 to 65535.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_surface_scatterings: Option<u32>,
+    /// How often a path scatters in media.
+    pub medium_order: MediumOrder,
+}
+
+/// How often a path scatters in media.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(rename_all = "snake_case")]
+pub enum MediumOrder {
+    /// Any number of times.
+    #[default]
+    All,
+    /// Never: what surfaces and emission send, attenuated.
+    None,
+    /// Exactly once.
+    Single,
+    /// At least twice.
+    Multiple,
 }
 
 /// How visibility toward lights is found.
@@ -97,6 +131,7 @@ impl Default for RenderDescription {
             relative_error: None,
             seed: 0,
             single_scattering: SingleScattering::default(),
+            reference: Reference::default(),
             shadows: Shadows::default(),
         }
     }
@@ -139,6 +174,17 @@ impl From<ShadowMode> for scene::ShadowMode {
             ShadowMode::Off => Self::Off,
             ShadowMode::Mapped => Self::Mapped,
             ShadowMode::Traced => Self::Traced,
+        }
+    }
+}
+
+impl From<MediumOrder> for scene::MediumOrder {
+    fn from(order: MediumOrder) -> Self {
+        match order {
+            MediumOrder::All => Self::All,
+            MediumOrder::None => Self::None,
+            MediumOrder::Single => Self::Single,
+            MediumOrder::Multiple => Self::Multiple,
         }
     }
 }

@@ -28,6 +28,19 @@ pub(super) fn check(render: &RenderDescription, path: &JsonPath) -> Result<(), S
             "at most one of samples, time_seconds and relative_error",
         ));
     }
+    let counts = [
+        ("max_scatterings", render.reference.max_scatterings),
+        (
+            "max_surface_scatterings",
+            render.reference.max_surface_scatterings,
+        ),
+    ];
+    for (name, count) in counts {
+        if let Some(count) = count {
+            let reference = path.field("reference");
+            rules::whole(&reference.field(name), count.into(), 0, 65_535)?;
+        }
+    }
     if let Some(samples) = render.samples {
         rules::whole(&path.field("samples"), samples.into(), 1, 65_536)?;
     }

@@ -1,0 +1,253 @@
+//! A sparse scalar field on a lattice.
+
+use glam::{DAffine3, DVec3, IVec3, UVec3};
+
+use crate::brick::voxel_index;
+use crate::{BRICK_SIDE, BRICK_VOXELS, Brick, VolumeError, VolumeLimits};
+
+/// Table entry of a brick that is all zero.
+const EMPTY: u32 = u32::MAX;
+
+/// A sparse scalar field, finite and ≥ 0: samples at the points of a lattice, trilinear between
+/// them, 0 outside `clip`.
+///
+/// The sample of voxel (i, j, k), each in `0..size`, lies at lattice point (i, j, k).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// Name in the file, or empty.
+    pub name: String,
+    /// From lattice points to where the file places them. Unit: m. Invertible.
+    pub world_from_lattice: DAffine3,
+    /// Low and high corner of the part of the lattice's space where the field is; 0 outside.
+    /// Inside it, samples beyond the lattice count as 0.
+    pub clip: [DVec3; 2],
+    /// What was mended on the way in.
+    pub report: VoxelReport,
+    size: UVec3,
+    bricks: UVec3,
+    table: Vec<u32>,
+    values: Vec<Brick>,
+    max: f32,
+}
+
+/// What was mended on the way in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct VoxelReport {
+    /// Voxels that were not finite; now 0.
+    pub non_finite: u64,
+    /// Voxels below 0; now 0.
+    pub negative: u64,
+}
+
+impl Grid {
+    /// Voxels along x, y, z.
+    pub fn size(&self) -> UVec3 {
+        self.size
+    }
+
+    /// Bricks along x, y, z, empty ones included.
+    pub fn brick_counts(&self) -> UVec3 {
+        self.bricks
+    }
+
+    /// Bricks that hold something.
+    pub fn stored_bricks(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Largest voxel.
+    pub fn max(&self) -> f32 {
+        self.max
+    }
+
+    /// Memory of table and bricks. Unit: byte.
+    pub fn bytes(&self) -> u64 {
+        (self.table.len() * size_of::<u32>() + self.values.len() * size_of::<Brick>()) as u64
+    }
+
+    /// Brick (x, y, z), `None` where it is empty or outside.
+    pub fn brick(&self, brick: IVec3) -> Option<&Brick> {
+        let index = self.table_index(brick)?;
+        match self.table[index] {
+            EMPTY => None,
+            slot => Some(&self.values[slot as usize]),
+        }
+    }
+
+    /// Voxel (i, j, k); 0 outside the lattice.
+    pub fn voxel(&self, voxel: IVec3) -> f32 {
+        if voxel.cmplt(IVec3::ZERO).any() || voxel.cmpge(self.size.as_ivec3()).any() {
+            return 0.0;
+        }
+        let side = BRICK_SIDE as i32;
+        self.brick(voxel / side).map_or(0.0, |brick| {
+            brick[voxel_index((voxel % side).as_uvec3().to_array())]
+        })
+    }
+
+    /// The trilinear field at a point of the lattice's space.
+    pub fn sample(&self, point: DVec3) -> f64 {
+        let [low, high] = self.clip;
+        if point.cmplt(low).any() || point.cmpgt(high).any() {
+            return 0.0;
+        }
+        let base = point.floor();
+        let fraction = point - base;
+        let base = base.as_ivec3();
+        let mut sum = 0.0;
+        for corner in 0..8 {
+            let offset = IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
+            let weight: f64 = (0..3)
+                .map(|i| {
+                    if offset[i] == 1 {
+                        fraction[i]
+                    } else {
+                        1.0 - fraction[i]
+                    }
+                })
+                .product();
+            sum += weight * f64::from(self.voxel(base + offset));
+        }
+        sum
+    }
+
+    fn table_index(&self, brick: IVec3) -> Option<usize> {
+        let inside = brick.cmpge(IVec3::ZERO).all() && brick.cmplt(self.bricks.as_ivec3()).all();
+        inside.then(|| {
+            let b = brick.as_uvec3().as_u64vec3();
+            let n = self.bricks.as_u64vec3();
+            (b.x + n.x * (b.y + n.y * b.z)) as usize
+        })
+    }
+}
+
+/// Fills a grid brick by brick. Non-finite and negative voxels become 0 and are counted.
+#[derive(Debug)]
+pub struct GridBuilder {
+    grid: Grid,
+    limits: VolumeLimits,
+}
+
+impl GridBuilder {
+    /// An empty lattice of `size` voxels, placed by the identity, clipped to its samples.
+    ///
+    /// # Errors
+    /// [`VolumeError::Invalid`] if a side is 0, [`VolumeError::Limit`] if the table alone is too large.
+    pub fn new(size: [u32; 3], limits: &VolumeLimits) -> Result<Self, VolumeError> {
+        let size = UVec3::from_array(size);
+        if size.cmpeq(UVec3::ZERO).any() {
+            let found = format!("{} × {} × {} voxels", size.x, size.y, size.z);
+            return Err(VolumeError::invalid(
+                "size",
+                found,
+                "at least 1 along x, y and z",
+            ));
+        }
+        let bricks = size.map(|side| side.div_ceil(BRICK_SIDE));
+        let entries = bricks
+            .to_array()
+            .map(u128::from)
+            .into_iter()
+            .product::<u128>();
+        let mut builder = Self {
+            grid: Grid {
+                name: String::new(),
+                world_from_lattice: DAffine3::IDENTITY,
+                clip: [DVec3::ZERO, size.as_dvec3() - 1.0],
+                report: VoxelReport::default(),
+                size,
+                bricks,
+                table: Vec::new(),
+                values: Vec::new(),
+                max: 0.0,
+            },
+            limits: *limits,
+        };
+        let bytes = u64::try_from(entries * size_of::<u32>() as u128).unwrap_or(u64::MAX);
+        builder.check(bytes)?;
+        builder.grid.table = vec![EMPTY; entries as usize];
+        Ok(builder)
+    }
+
+    /// Reserves `bricks` bricks at once.
+    ///
+    /// # Errors
+    /// [`VolumeError::Limit`] if they are too many.
+    pub fn reserve(&mut self, bricks: u64) -> Result<(), VolumeError> {
+        let bytes = bricks.saturating_mul(size_of::<Brick>() as u64);
+        self.check(self.grid.bytes().saturating_add(bytes))?;
+        self.grid.values.reserve_exact(bricks as usize);
+        Ok(())
+    }
+
+    /// Sets brick (x, y, z). Voxels beyond the lattice are dropped; all zero stores nothing.
+    ///
+    /// # Errors
+    /// [`VolumeError::Limit`] if the bricks grow too many, [`VolumeError::Invalid`] if it lies outside.
+    pub fn set_brick(&mut self, brick: UVec3, values: &Brick) -> Result<(), VolumeError> {
+        let Some(index) = self.grid.table_index(brick.as_ivec3()) else {
+            let found = format!("brick {brick}");
+            let allowed = format!("below {}", self.grid.bricks);
+            return Err(VolumeError::invalid("brick", found, allowed));
+        };
+        let mut clean = [0.0; BRICK_VOXELS];
+        let rest = (self.grid.size - brick * BRICK_SIDE).min(UVec3::splat(BRICK_SIDE));
+        for z in 0..rest.z {
+            for y in 0..rest.y {
+                for x in 0..rest.x {
+                    let at = voxel_index([x, y, z]);
+                    clean[at] = self.clean(values[at]);
+                }
+            }
+        }
+        if clean.iter().all(|value| *value == 0.0) {
+            return Ok(());
+        }
+        let slot = self.grid.table[index];
+        if slot == EMPTY {
+            self.check(self.grid.bytes() + size_of::<Brick>() as u64)?;
+            self.grid.table[index] = self.grid.values.len() as u32;
+            self.grid.values.push(clean);
+        } else {
+            self.grid.values[slot as usize] = clean;
+        }
+        Ok(())
+    }
+
+    /// The finished grid.
+    pub fn finish(
+        mut self,
+        name: impl Into<String>,
+        world_from_lattice: DAffine3,
+        clip: [DVec3; 2],
+    ) -> Grid {
+        self.grid.name = name.into();
+        self.grid.world_from_lattice = world_from_lattice;
+        self.grid.clip = clip;
+        self.grid
+    }
+
+    fn clean(&mut self, value: f32) -> f32 {
+        if !value.is_finite() {
+            self.grid.report.non_finite += 1;
+            0.0
+        } else if value < 0.0 {
+            self.grid.report.negative += 1;
+            0.0
+        } else {
+            self.grid.max = self.grid.max.max(value);
+            value
+        }
+    }
+
+    fn check(&self, bytes: u64) -> Result<(), VolumeError> {
+        if bytes > self.limits.grid_bytes {
+            return Err(VolumeError::Limit {
+                what: "bytes of voxels",
+                found: bytes,
+                limit: self.limits.grid_bytes,
+            });
+        }
+        Ok(())
+    }
+}
