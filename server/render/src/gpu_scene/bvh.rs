@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::triangle::Triangle;
-use tyndall_scene::Geometry;
+use tyndall_scene::{Geometry, Instance, Material, Mesh};
 use tyndall_shaders::types::BvhNode;
 
 use super::geometry::{buffer, check};
@@ -19,29 +19,41 @@ const MAX_DEPTH: usize = 48;
 pub(crate) struct GpuBvh {
     pub nodes: wgpu::Buffer,
     pub vertices: wgpu::Buffer,
+    /// Number of each triangle among those of all instances, in the order of the leaves.
+    pub order: Vec<u32>,
 }
 
 impl GpuBvh {
     /// Builds over all instances. Serial, so equal geometry gives equal bits.
     pub fn build(device: &Device, source: &Geometry, anchor: DVec3) -> Result<Self, RenderError> {
         let limit = device.device.limits().max_storage_buffer_binding_size;
-        let (nodes, vertices) = bvh_bytes(source, anchor)?;
+        let BvhParts {
+            nodes,
+            vertices,
+            order,
+        } = bvh_parts(source, anchor)?;
         check("bytes of BVH nodes", nodes.len() as u64, limit)?;
         check("bytes of BVH triangles", vertices.len() as u64, limit)?;
         let storage = wgpu::BufferUsages::STORAGE;
         Ok(Self {
             nodes: buffer(device, "bvh.nodes", &nodes, storage),
             vertices: buffer(device, "bvh.vertices", &vertices, storage),
+            order,
         })
     }
 }
 
-/// Nodes and triangle vertices as the shader reads them.
-pub(crate) fn bvh_bytes(
-    source: &Geometry,
-    anchor: DVec3,
-) -> Result<(Vec<u8>, Vec<u8>), RenderError> {
+/// A BVH as the shader reads it.
+pub(crate) struct BvhParts {
+    pub nodes: Vec<u8>,
+    pub vertices: Vec<u8>,
+    pub order: Vec<u32>,
+}
+
+/// Builds nodes and triangle vertices.
+pub(crate) fn bvh_parts(source: &Geometry, anchor: DVec3) -> Result<BvhParts, RenderError> {
     let triangles = world_triangles(source, anchor);
+    let flags: Vec<[f32; 3]> = corners(source).map(|corner| corner.flags()).collect();
     let mut duration = std::time::Duration::ZERO;
     let parameters = BvhBuildParams::medium_build();
     let bvh = obvhs::bvh2::builder::build_bvh2_from_tris(&triangles, parameters, &mut duration);
@@ -61,31 +73,73 @@ pub(crate) fn bvh_bytes(
         .iter()
         .flat_map(|index| {
             let triangle = &triangles[*index as usize];
-            [triangle.v0, triangle.v1, triangle.v2].map(|v| [v.x, v.y, v.z, 0.0])
+            let [a, b, c] = flags[*index as usize];
+            let corner = |v: Vec3A, flag: f32| [v.x, v.y, v.z, flag];
+            [
+                corner(triangle.v0, a),
+                corner(triangle.v1, b),
+                corner(triangle.v2, c),
+            ]
         })
         .collect();
-    Ok((
-        bytemuck::cast_slice(&nodes).to_vec(),
-        bytemuck::cast_slice(&vertices).to_vec(),
-    ))
+    Ok(BvhParts {
+        nodes: bytemuck::cast_slice(&nodes).to_vec(),
+        vertices: bytemuck::cast_slice(&vertices).to_vec(),
+        order: bvh.primitive_indices,
+    })
+}
+
+/// A triangle of an instance.
+pub(super) struct Corners<'a> {
+    pub instance: &'a Instance,
+    pub mesh: &'a Mesh,
+    pub material: &'a Material,
+    /// Vertices, counter-clockwise in the world seen from the front.
+    pub vertices: [usize; 3],
+}
+
+impl Corners<'_> {
+    /// What the traversal wants to know, one number a corner: single-sided, masked, nothing.
+    fn flags(&self) -> [f32; 3] {
+        let flag = |set: bool| if set { 1.0 } else { 0.0 };
+        [
+            flag(!self.material.double_sided),
+            flag(self.material.alpha_cutoff.is_some()),
+            0.0,
+        ]
+    }
+}
+
+/// Triangles of all instances, in the order of their numbers.
+pub(super) fn corners(source: &Geometry) -> impl Iterator<Item = Corners<'_>> {
+    source.instances.iter().flat_map(move |instance| {
+        let mesh = &source.meshes[instance.mesh];
+        // A transform that mirrors turns the winding round.
+        let mirrored = instance.world_from_object.matrix3.determinant() < 0.0;
+        mesh.indices.chunks_exact(3).map(move |t| {
+            let t = [t[0] as usize, t[1] as usize, t[2] as usize];
+            Corners {
+                instance,
+                mesh,
+                material: &source.materials[mesh.material],
+                vertices: if mirrored { [t[0], t[2], t[1]] } else { t },
+            }
+        })
+    })
 }
 
 /// Triangles of all instances relative to `anchor`.
-fn world_triangles(source: &Geometry, anchor: DVec3) -> Vec<Triangle> {
-    let mut triangles = Vec::new();
-    for instance in &source.instances {
-        let mesh = &source.meshes[instance.mesh];
-        let place = |index: u32| -> Vec3A {
-            let p = DVec3::from(mesh.positions[index as usize].map(f64::from));
-            (instance.world_from_object.transform_point3(p) - anchor).as_vec3a()
-        };
-        triangles.extend(mesh.indices.chunks_exact(3).map(|t| Triangle {
-            v0: place(t[0]),
-            v1: place(t[1]),
-            v2: place(t[2]),
-        }));
-    }
-    triangles
+pub(super) fn world_triangles(source: &Geometry, anchor: DVec3) -> Vec<Triangle> {
+    corners(source)
+        .map(|corner| {
+            let [v0, v1, v2] = corner.vertices.map(|index| {
+                let p = DVec3::from(corner.mesh.positions[index].map(f64::from));
+                let world = corner.instance.world_from_object.transform_point3(p);
+                (world - anchor).as_vec3a()
+            });
+            Triangle { v0, v1, v2 }
+        })
+        .collect()
 }
 
 /// Levels below the root; the tree's own `max_depth` is an upper estimate only.
