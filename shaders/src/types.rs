@@ -228,14 +228,6 @@ mirrors! {
         normal_slot: TextureSlot,
     }
 
-    /// A node of the binary BVH.
-    struct BvhNode {
-        min: [f32; 3],
-        primitive_count: u32,
-        max: [f32; 3],
-        first_index: u32,
-    }
-
     /// Counted on the device each frame.
     struct Statistics {
         non_finite: u32,

@@ -23,7 +23,9 @@ struct Agreement {
 fn compare(name: &str, kind: &str, samples: u32) -> Option<Agreement> {
     let shared = shared_folder::find(name)?;
     let description = pm_ref::load(&shared.join(format!("reference/scenes/{name}.json"))).unwrap();
-    let mut scene = tyndall_scene::build(description, Some(&shared.join("reference"))).unwrap().scene;
+    let mut scene = tyndall_scene::build(description, Some(&shared.join("reference")))
+        .unwrap()
+        .scene;
     scene.render.technique = Technique::Reference;
     scene.render.stop = StopRule::Samples(samples);
     if kind == "single" {
@@ -57,9 +59,17 @@ fn compare(name: &str, kind: &str, samples: u32) -> Option<Agreement> {
         }
     }
     let total = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>();
-    let mut error: Vec<f64> = (0..width * height).map(|p| (0..3).map(|c| {
-        let r = f64::from(mean[3*p+c]);
-        (image(3*p+c)-r).powi(2) - f64::from(stderr[3*p+c]).powi(2)}).sum::<f64>()/3.0).collect();
+    let mut error: Vec<f64> = (0..width * height)
+        .map(|p| {
+            (0..3)
+                .map(|c| {
+                    let r = f64::from(mean[3 * p + c]);
+                    (image(3 * p + c) - r).powi(2) - f64::from(stderr[3 * p + c]).powi(2)
+                })
+                .sum::<f64>()
+                / 3.0
+        })
+        .collect();
     error.sort_by(f64::total_cmp);
     let kept = error.len() - error.len().div_ceil(1000);
     let picture_mean = total(&mut (0..mean.len()).map(image)) / mean.len() as f64;
@@ -73,15 +83,25 @@ fn compare(name: &str, kind: &str, samples: u32) -> Option<Agreement> {
     println!(
         "{name} {kind}: {samples} samples in {seconds:.2} s, estimated error {:.4}, relRMSE_trim {trimmed:.4}, mean ratio {:.5}, block z mean {:.2} deviation {:.2}",
         still.frame.stats.estimated_error.unwrap_or(-1.0),
-        agreement.mean_ratio, agreement.z_mean, agreement.z_deviation
+        agreement.mean_ratio,
+        agreement.z_mean,
+        agreement.z_deviation
     );
     Some(agreement)
 }
 
 fn agrees(name: &str, kind: &str, samples: u32) {
     if let Some(found) = compare(name, kind, samples) {
-        assert!(found.z_deviation < 1.25, "{name} {kind}: {}", found.z_deviation);
-        assert!((found.mean_ratio - 1.0).abs() < 0.01, "{name} {kind}: {}", found.mean_ratio);
+        assert!(
+            found.z_deviation < 1.25,
+            "{name} {kind}: {}",
+            found.z_deviation
+        );
+        assert!(
+            (found.mean_ratio - 1.0).abs() < 0.01,
+            "{name} {kind}: {}",
+            found.mean_ratio
+        );
     }
 }
 

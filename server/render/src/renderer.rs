@@ -136,7 +136,8 @@ impl Renderer {
         let (width, height) = view.size();
         let slice = (work == Work::Sample && view.plan.runs(PassKind::Reference)).then(|| {
             let most = view.image.most_samples(stop);
-            view.slices.next((width, height), view.image.samples(), most)
+            view.slices
+                .next((width, height), view.image.samples(), most)
         });
         if let Some(slice) = slice {
             view.inputs.upload_slice(&self.device, slice);

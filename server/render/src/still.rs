@@ -100,7 +100,8 @@ impl Renderer {
         if let Some(reference) = &view.targets.reference {
             let moments = self.read_pixels(&reference.moments)?;
             let surface = self.read_pixels(&reference.film_surface)?;
-            let first = |pairs: &[[f32; 4]]| pairs.chunks_exact(2).map(|p| p[0]).collect::<Vec<_>>();
+            let first =
+                |pairs: &[[f32; 4]]| pairs.chunks_exact(2).map(|p| p[0]).collect::<Vec<_>>();
             let rgb = |v: [f32; 4]| [v[0], v[1], v[2]];
             let moments = first(&moments);
             let variance = |m: &[f32; 4]| rgb(*m).map(|sum| sum / (m[3] * (m[3] - 1.0)).max(1.0));

@@ -151,9 +151,7 @@ fn used_textures(
         .collect();
     materials
         .into_iter()
-        .flat_map(|index| {
-            of(&geometry.materials[index])
-        })
+        .flat_map(|index| of(&geometry.materials[index]))
         .flatten()
         .map(|texture| texture.texture)
         .collect()

@@ -1,18 +1,19 @@
-//! The BVH for compute traversal: built on the CPU, binary nodes as `wesl/geometry/bvh.wesl` reads them.
+//! The BVH for compute traversal: built on the CPU, compressed wide nodes as `wesl/geometry/bvh.wesl`
+//! reads them.
 
 use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
-use obvhs::bvh2::Bvh2;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::triangle::Triangle;
 use tyndall_scene::{Geometry, Instance, Material, Mesh};
-use tyndall_shaders::types::BvhNode;
 
 use super::geometry::{buffer, check};
 use crate::device::Device;
 use crate::error::RenderError;
 
 /// Deepest tree the traversal's stack holds (`STACK_SIZE` in `geometry/bvh.wesl`).
-const MAX_DEPTH: usize = 48;
+const MAX_DEPTH: usize = 24;
 
 /// Nodes and triangles on the device, relative to the geometry's anchor.
 #[derive(Debug)]
@@ -56,18 +57,8 @@ pub(crate) fn bvh_parts(source: &Geometry, anchor: DVec3) -> Result<BvhParts, Re
     let flags: Vec<[f32; 3]> = corners(source).map(|corner| corner.flags()).collect();
     let mut duration = std::time::Duration::ZERO;
     let parameters = BvhBuildParams::medium_build();
-    let bvh = obvhs::bvh2::builder::build_bvh2_from_tris(&triangles, parameters, &mut duration);
+    let bvh = build_cwbvh_from_tris(&triangles, parameters, &mut duration);
     check("levels of the BVH", depth_of(&bvh) as u64, MAX_DEPTH as u64)?;
-    let nodes: Vec<BvhNode> = bvh
-        .nodes
-        .iter()
-        .map(|node| BvhNode {
-            min: node.aabb().min.to_array(),
-            primitive_count: node.prim_count,
-            max: node.aabb().max.to_array(),
-            first_index: node.first_index,
-        })
-        .collect();
     let vertices: Vec<[f32; 4]> = bvh
         .primitive_indices
         .iter()
@@ -83,7 +74,7 @@ pub(crate) fn bvh_parts(source: &Geometry, anchor: DVec3) -> Result<BvhParts, Re
         })
         .collect();
     Ok(BvhParts {
-        nodes: bytemuck::cast_slice(&nodes).to_vec(),
+        nodes: bytemuck::cast_slice(&bvh.nodes).to_vec(),
         vertices: bytemuck::cast_slice(&vertices).to_vec(),
         order: bvh.primitive_indices,
     })
@@ -142,20 +133,17 @@ pub(super) fn world_triangles(source: &Geometry, anchor: DVec3) -> Vec<Triangle>
         .collect()
 }
 
-/// Levels below the root; the tree's own `max_depth` is an upper estimate only.
-fn depth_of(bvh: &Bvh2) -> usize {
-    if bvh.nodes.is_empty() {
-        return 0;
-    }
+/// Levels of the tree: each may leave one group on the traversal's stack.
+fn depth_of(bvh: &CwBvh) -> usize {
     let mut deepest = 0;
-    let mut stack = vec![(0_usize, 1_usize)];
+    let mut stack = vec![(0_u32, 1_usize)];
     while let Some((index, depth)) = stack.pop() {
+        let Some(node) = bvh.nodes.get(index as usize) else {
+            continue;
+        };
         deepest = deepest.max(depth);
-        let node = &bvh.nodes[index];
-        if !node.is_leaf() {
-            let first = node.first_index as usize;
-            stack.extend([(first, depth + 1), (first + 1, depth + 1)]);
-        }
+        let children = node.imask.count_ones();
+        stack.extend((0..children).map(|i| (node.child_base_idx + i, depth + 1)));
     }
     deepest
 }

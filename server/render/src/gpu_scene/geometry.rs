@@ -115,12 +115,8 @@ impl GpuGeometry {
         let draws = group_draws(source, &instance_order, &ranges);
         let textures = TextureArrays::upload(device, source, TextureKind::Color)?;
         let data_textures = TextureArrays::upload(device, source, TextureKind::Data)?;
-        let materials = materials::upload(
-            device,
-            source,
-            textures.as_ref(),
-            data_textures.as_ref(),
-        );
+        let materials =
+            materials::upload(device, source, textures.as_ref(), data_textures.as_ref());
         Ok(Self {
             vertices: buffer(
                 device,

@@ -75,7 +75,11 @@ fn triangle_values(source: &Geometry, order: &[u32]) -> (Vec<TriangleSurface>, V
 /// Radiant exitance up to a factor: what emitter sampling follows.
 fn emitted(corner: &Corners<'_>) -> f64 {
     let [r, g, b] = corner.material.emission.map(f64::from);
-    let sides = if corner.material.double_sided { 2.0 } else { 1.0 };
+    let sides = if corner.material.double_sided {
+        2.0
+    } else {
+        1.0
+    };
     sides * (0.2126 * r + 0.7152 * g + 0.0722 * b)
 }
 
