@@ -221,7 +221,8 @@ impl GridBuilder {
             }
         }
         if clean.iter().all(|value| *value == clean[0]) {
-            return self.set_entry(index, clean[0]);
+            self.grid.table[index] = self.uniform_entry(clean[0])?;
+            return Ok(());
         }
         let slot = self.grid.table[index];
         if slot == EMPTY || self.is_shared(slot) {
@@ -261,12 +262,12 @@ impl GridBuilder {
         if self.grid.report.negative > before.negative {
             self.grid.report.negative = before.negative + voxels;
         }
+        let entry = self.uniform_entry(value)?;
         for z in low.z..high.z {
             for y in low.y..high.y {
                 let first = self.index(UVec3::new(low.x, y, z))?;
-                for index in first..first + (high.x - low.x) as usize {
-                    self.set_entry(index, value)?;
-                }
+                let end = first + (high.x - low.x) as usize;
+                self.grid.table[first..end].fill(entry);
             }
         }
         Ok(())
@@ -293,18 +294,17 @@ impl GridBuilder {
         })
     }
 
-    /// Points an entry at the brick that is `value` throughout.
-    fn set_entry(&mut self, index: usize, value: f32) -> Result<(), VolumeError> {
-        self.grid.table[index] = if value == 0.0 {
-            EMPTY
-        } else if let Some(slot) = self.uniform.get(&value.to_bits()) {
-            *slot
-        } else {
-            let slot = self.push(&[value; BRICK_VOXELS])?;
-            self.uniform.insert(value.to_bits(), slot);
-            slot
-        };
-        Ok(())
+    /// The entry of the brick that is `value` throughout.
+    fn uniform_entry(&mut self, value: f32) -> Result<u32, VolumeError> {
+        if value == 0.0 {
+            return Ok(EMPTY);
+        }
+        if let Some(slot) = self.uniform.get(&value.to_bits()) {
+            return Ok(*slot);
+        }
+        let slot = self.push(&[value; BRICK_VOXELS])?;
+        self.uniform.insert(value.to_bits(), slot);
+        Ok(slot)
     }
 
     fn is_shared(&self, slot: u32) -> bool {
