@@ -1,6 +1,7 @@
 //! A sparse scalar field on a lattice.
 
 use std::collections::HashMap;
+use std::fmt;
 
 use glam::{DAffine3, DVec3, IVec3, UVec3};
 
@@ -17,7 +18,7 @@ const MAX_SIDE: u32 = 1 << 24;
 /// them, 0 outside `clip`.
 ///
 /// The sample of voxel (i, j, k), each in `0..size`, lies at lattice point (i, j, k).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Grid {
     /// Name in the file, or empty.
     pub name: String,
@@ -33,6 +34,21 @@ pub struct Grid {
     table: Vec<u32>,
     values: Vec<Brick>,
     max: f32,
+}
+
+/// In short: a grid's voxels would fill pages.
+impl fmt::Debug for Grid {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Grid")
+            .field("name", &self.name)
+            .field("size", &self.size)
+            .field("stored_bricks", &self.values.len())
+            .field("max", &self.max)
+            .field("clip", &self.clip)
+            .field("report", &self.report)
+            .finish_non_exhaustive()
+    }
 }
 
 /// What was mended on the way in.
@@ -340,5 +356,85 @@ impl GridBuilder {
 
     fn check(&self, bytes: u64) -> Result<(), VolumeError> {
         VolumeError::within("bytes of voxels", bytes, self.limits.grid_bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn builder() -> GridBuilder {
+        GridBuilder::new([20, 16, 16], &VolumeLimits::default()).unwrap()
+    }
+
+    fn finished(builder: GridBuilder) -> Grid {
+        builder.finish("", DAffine3::IDENTITY, [DVec3::ZERO; 2])
+    }
+
+    #[test]
+    fn bricks_of_one_value_are_stored_once() {
+        let mut builder = builder();
+        builder
+            .set_uniform_bricks(UVec3::ZERO, UVec3::new(2, 2, 1), 3.0)
+            .unwrap();
+        builder
+            .set_brick(UVec3::new(1, 1, 1), &[3.0; BRICK_VOXELS])
+            .unwrap();
+        // A brick across the lattice's edge is not of one value: beyond the edge it is 0.
+        builder
+            .set_brick(UVec3::new(2, 0, 0), &[3.0; BRICK_VOXELS])
+            .unwrap();
+        let grid = finished(builder);
+        assert_eq!(grid.stored_bricks(), 2);
+        assert_eq!(grid.brick_slot(IVec3::ZERO), grid.brick_slot(IVec3::ONE));
+        assert_eq!(grid.brick_slot(IVec3::new(0, 0, 1)), None);
+        assert_eq!(grid.voxel(IVec3::new(19, 0, 0)), 3.0);
+        assert_eq!(grid.stored()[1][4], 0.0);
+    }
+
+    #[test]
+    fn setting_a_brick_anew_leaves_those_alone_that_shared_it() {
+        let mut builder = builder();
+        builder
+            .set_uniform_bricks(UVec3::ZERO, UVec3::new(2, 1, 1), 3.0)
+            .unwrap();
+        let mut values = [3.0; BRICK_VOXELS];
+        values[1] = 4.0;
+        builder.set_brick(UVec3::ZERO, &values).unwrap();
+        builder.set_brick(UVec3::ZERO, &values).unwrap();
+        builder
+            .set_brick(UVec3::new(1, 0, 0), &[0.0; BRICK_VOXELS])
+            .unwrap();
+        let grid = finished(builder);
+        assert_eq!(grid.voxel(IVec3::X), 4.0);
+        assert_eq!(grid.brick(IVec3::X), None);
+        assert_eq!(grid.stored_bricks(), 2);
+    }
+
+    #[test]
+    fn voxels_of_tiles_are_counted_where_they_are_mended() {
+        let mut builder = builder();
+        let two = UVec3::new(2, 1, 1);
+        builder.set_uniform_bricks(UVec3::ZERO, two, -1.0).unwrap();
+        builder
+            .set_uniform_bricks(UVec3::ZERO, two, f32::NAN)
+            .unwrap();
+        let grid = finished(builder);
+        assert_eq!(grid.report.negative, 1024);
+        assert_eq!(grid.report.non_finite, 1024);
+        assert_eq!(grid.stored_bricks(), 0);
+    }
+
+    #[test]
+    fn tiles_beyond_the_whole_bricks_are_refused() {
+        let mut builder = builder();
+        let error = builder.set_uniform_bricks(UVec3::ZERO, UVec3::new(3, 1, 1), 1.0);
+        assert!(matches!(error, Err(VolumeError::Invalid { .. })));
+    }
+
+    #[test]
+    fn sides_beyond_single_precision_are_refused() {
+        let error = GridBuilder::new([1 << 24 | 1, 1, 1], &VolumeLimits::default());
+        assert!(matches!(error, Err(VolumeError::Limit { .. })));
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::dense::{Dense, Number};
 use crate::select::shown;
-use crate::{Grid, ReadOptions, VolumeError, VolumeLimits, read};
+use crate::{Grid, ReadOptions, VolumeError, VolumeLimits, file};
 
 const MAGIC: [u8; 6] = *b"\x93NUMPY";
 /// Longest header. Unit: byte.
@@ -28,7 +28,7 @@ pub fn read_bytes(
 ) -> Result<Grid, VolumeError> {
     let length = bytes.len() as u64;
     VolumeError::within("bytes of the file", length, limits.file_bytes)?;
-    read::refuse_name(options)?;
+    file::refuse_name(options)?;
     read_from(&mut { bytes }, Some(length), "", limits)
 }
 

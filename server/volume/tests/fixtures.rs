@@ -1,5 +1,7 @@
 //! Small files written by Debian's OpenVDB and NanoVDB (`make_vdb.py`), voxel by voxel.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use std::collections::HashMap;
 use std::io::Read;
 use std::path::PathBuf;

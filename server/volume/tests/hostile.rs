@@ -1,6 +1,8 @@
 //! Broken files: at least 10,000 of each format, made from whole ones by small changes. Reading one
 //! never panics, never takes much memory, and is quick.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use std::io::{Cursor, Read, Write};
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -132,7 +134,7 @@ fn attack(format: &str, seeds: &[Vec<u8>], read: impl Fn(&[u8]) -> Result<Grid, 
         })
         .unwrap();
     let grown = peak() - before;
-    println!(
+    eprintln!(
         "{format}: {CASES} files, {} of them read, in {:.1} s, the slowest in {} ms; {} MiB more addresses",
         fine.get(),
         start.elapsed().as_secs_f64(),

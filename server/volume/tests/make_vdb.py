@@ -12,6 +12,7 @@ import pathlib
 import struct
 import subprocess
 import sys
+import tempfile
 import zlib
 
 import numpy as np
@@ -68,8 +69,13 @@ def expected(grid):
 
 
 def write(name, grids):
-    vdb.write(str(FOLDER / f"{name}.vdb"), grids=grids)
-    read, _ = vdb.readAll(str(FOLDER / f"{name}.vdb"))
+    path = FOLDER / f"{name}.vdb"
+    vdb.write(str(path), grids=grids)
+    data = bytearray(path.read_bytes())
+    # The file's identifier, which is random otherwise.
+    data[21:57] = b"00000000-0000-4000-8000-000000000000"
+    path.write_bytes(data)
+    read, _ = vdb.readAll(str(path))
     text = json.dumps([expected(grid) for grid in read], separators=(",", ":"))
     (FOLDER / f"{name}.json").write_text(text + "\n")
 
@@ -292,9 +298,11 @@ def convert(name, source, *options):
         ["nanovdb_convert", "-f", *options, str(FOLDER / f"{source}.vdb"), str(path)],
         check=True, stdout=subprocess.DEVNULL,
     )
-    back = f"/tmp/{name}.vdb"
-    subprocess.run(["nanovdb_convert", "-f", str(path), back], check=True, stdout=subprocess.DEVNULL)
-    read, _ = vdb.readAll(back)
+    with tempfile.TemporaryDirectory() as folder:
+        back = f"{folder}/{name}.vdb"
+        command = ["nanovdb_convert", "-f", str(path), back]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        read, _ = vdb.readAll(back)
     text = json.dumps([expected(grid) for grid in read], separators=(",", ":"))
     (FOLDER / f"{name}.nvdb.json").write_text(text + "\n")
 

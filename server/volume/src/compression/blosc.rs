@@ -20,6 +20,9 @@ const MAX_SPLITS: usize = 16;
 /// Blocks are split only from this many values.
 const MIN_SPLIT_VALUES: usize = 128;
 
+/// Largest window of a Zstandard frame: what its specification asks of every decoder. Unit: byte.
+const MAX_ZSTD_WINDOW: u64 = 8 << 20;
+
 /// Unpacks a chunk that has to fill `output` exactly.
 pub(crate) fn blosc(input: &[u8], output: &mut [u8], field: &str) -> Result<(), VolumeError> {
     let mut header = Cursor::new(input);
@@ -141,9 +144,28 @@ fn unpack(codec: u8, packed: &[u8], output: &mut [u8], field: &str) -> Result<()
 }
 
 fn zstd(packed: &[u8], output: &mut [u8]) -> Option<usize> {
+    if zstd_window(packed)? > MAX_ZSTD_WINDOW {
+        return None;
+    }
     let mut decoder = ruzstd::decoding::StreamingDecoder::new(packed).ok()?;
     decoder.read_exact(output).ok()?;
     Some(output.len())
+}
+
+/// How much of its output a Zstandard frame refers back to, which the decoder reserves. Unit: byte.
+fn zstd_window(frame: &[u8]) -> Option<u64> {
+    let descriptor = *frame.get(4)?;
+    if descriptor & 0x20 == 0 {
+        let window = *frame.get(5)?;
+        let base = 1_u64 << (10 + (window >> 3));
+        return Some(base + base / 8 * u64::from(window & 7));
+    }
+    // One segment: as much as it has, which follows the number of its dictionary.
+    let start = 5 + [0, 1, 2, 4][usize::from(descriptor & 3)];
+    let length = 1 << (descriptor >> 6);
+    let mut size = [0; 8];
+    size[..length].copy_from_slice(frame.get(start..start + length)?);
+    Some(u64::from_le_bytes(size))
 }
 
 /// Puts the bytes of values together again: byte i of value j lies at `i·count + j`.
@@ -156,4 +178,115 @@ fn unshuffle(sorted: &[u8], output: &mut [u8], value_bytes: usize) {
     }
     let whole = count * value_bytes;
     output[whole..].copy_from_slice(&sorted[whole..]);
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const PLAIN: &[u8] = include_bytes!("../../tests/fixtures/blosc.bin");
+
+    /// Chunks by c-blosc of every codec, plain and shuffled, and of several blocks.
+    const CHUNKS: [(&str, &[u8]); 11] = [
+        (
+            "blosclz",
+            include_bytes!("../../tests/fixtures/blosc_blosclz_0.bin"),
+        ),
+        (
+            "blosclz, shuffled",
+            include_bytes!("../../tests/fixtures/blosc_blosclz_1.bin"),
+        ),
+        (
+            "lz4",
+            include_bytes!("../../tests/fixtures/blosc_lz4_0.bin"),
+        ),
+        (
+            "lz4, shuffled",
+            include_bytes!("../../tests/fixtures/blosc_lz4_1.bin"),
+        ),
+        (
+            "lz4hc",
+            include_bytes!("../../tests/fixtures/blosc_lz4hc_0.bin"),
+        ),
+        (
+            "lz4hc, shuffled",
+            include_bytes!("../../tests/fixtures/blosc_lz4hc_1.bin"),
+        ),
+        (
+            "zlib",
+            include_bytes!("../../tests/fixtures/blosc_zlib_0.bin"),
+        ),
+        (
+            "zlib, shuffled",
+            include_bytes!("../../tests/fixtures/blosc_zlib_1.bin"),
+        ),
+        (
+            "zstd",
+            include_bytes!("../../tests/fixtures/blosc_zstd_0.bin"),
+        ),
+        (
+            "zstd, shuffled",
+            include_bytes!("../../tests/fixtures/blosc_zstd_1.bin"),
+        ),
+        (
+            "blocks",
+            include_bytes!("../../tests/fixtures/blosc_blocks.bin"),
+        ),
+    ];
+
+    #[test]
+    fn every_codec_gives_what_c_blosc_packed() {
+        for (name, chunk) in CHUNKS {
+            let mut output = vec![0; PLAIN.len()];
+            blosc(chunk, &mut output, name).unwrap();
+            assert!(output == PLAIN, "{name}");
+            let mut short = vec![0; PLAIN.len() - 4];
+            assert!(blosc(chunk, &mut short, name).is_err(), "{name}");
+        }
+    }
+
+    #[test]
+    fn bit_shuffled_chunks_are_refused_by_name() {
+        let chunk = include_bytes!("../../tests/fixtures/blosc_bitshuffle.bin");
+        let error = blosc(chunk, &mut vec![0; PLAIN.len()], "values").unwrap_err();
+        assert!(error.to_string().contains("bit shuffle"), "{error}");
+    }
+
+    #[test]
+    fn a_frame_of_a_huge_window_is_refused() {
+        let window = |bytes: &[u8]| zstd_window(&[&[0x28, 0xb5, 0x2f, 0xfd], bytes].concat());
+        assert_eq!(window(&[0x00, 0x00]), Some(1 << 10));
+        assert_eq!(window(&[0x00, 31 << 3]), Some(1 << 41));
+        assert_eq!(window(&[0xa0, 1, 2, 3, 4]), Some(0x0403_0201));
+        let frame = [0x28, 0xb5, 0x2f, 0xfd, 0x00, 31 << 3, 0x01, 0x00, 0x00];
+        assert_eq!(zstd(&frame, &mut [0]), None);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig {
+            cases: 20_000,
+            failure_persistence: None,
+            ..ProptestConfig::default()
+        })]
+
+        #[test]
+        fn broken_chunks_are_harmless(
+            which in 0..CHUNKS.len(),
+            changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
+            end in prop::option::of(any::<prop::sample::Index>()),
+        ) {
+            let mut chunk = CHUNKS[which].1.to_vec();
+            for (at, value) in changes {
+                let at = at.index(chunk.len());
+                chunk[at] = value;
+            }
+            if let Some(end) = end {
+                chunk.truncate(end.index(chunk.len()));
+            }
+            let mut output = vec![0; PLAIN.len()];
+            drop(blosc(&chunk, &mut output, "chunk"));
+        }
+    }
 }
