@@ -178,7 +178,7 @@ fn real_dense_grids_agree_with_what_is_written_beside_them() {
             "raw/fog_noise_64x64x64.raw",
             [64, 64, 64],
             1.0,
-            0.285_334_302_051_125_44,
+            0.285_334_302_051_125_4,
         ),
         (
             "raw/fire_density_23x23x42.raw",
