@@ -1,6 +1,7 @@
 //! Helpers shared by the tests across crates.
 
 pub mod conventions;
+pub mod estimate;
 pub mod gpu;
 pub mod npz;
 pub mod pm_ref;
