@@ -3,11 +3,16 @@
 //! Everything a reader yields is a [`Grid`]: bricks of 8³ voxels where something is, nothing where
 //! nothing is. Memory is known and checked before it is allocated.
 
+mod atlas;
 mod brick;
 mod error;
 mod grid;
 mod limits;
 
+pub use atlas::{
+    APRON_SIDE, ATLAS_BRICK_SAMPLES, ATLAS_BRICK_WORDS, AtlasLimits, BrickAtlas, EMPTY_BRICK,
+    MajorantGrid, decode_sample,
+};
 pub use brick::{BRICK_SIDE, BRICK_VOXELS, Brick};
 pub use error::VolumeError;
 pub use grid::{Grid, GridBuilder, VoxelReport};
