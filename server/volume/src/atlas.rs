@@ -136,7 +136,7 @@ impl BrickAtlas {
         let slot = slot as usize;
         let entry = (sample.x + APRON_SIDE * (sample.y + APRON_SIDE * sample.z)) as usize;
         let word = self.values[slot * ATLAS_BRICK_WORDS + entry / 2];
-        let q = if entry % 2 == 0 { word } else { word >> 16 };
+        let q = word >> (16 * (entry % 2));
         decode_sample(self.ranges[slot], (q & 0xffff) as u16)
     }
 }

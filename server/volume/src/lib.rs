@@ -8,6 +8,8 @@ mod brick;
 mod error;
 mod grid;
 mod limits;
+mod noise;
+mod procedural;
 
 pub use atlas::{
     APRON_SIDE, ATLAS_BRICK_SAMPLES, ATLAS_BRICK_WORDS, AtlasLimits, BrickAtlas, EMPTY_BRICK,
@@ -17,3 +19,4 @@ pub use brick::{BRICK_SIDE, BRICK_VOXELS, Brick};
 pub use error::VolumeError;
 pub use grid::{Grid, GridBuilder, VoxelReport};
 pub use limits::VolumeLimits;
+pub use procedural::{Pattern, Procedural};

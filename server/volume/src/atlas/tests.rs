@@ -53,7 +53,7 @@ fn points(grid: &Grid, random: &mut Random) -> Vec<DVec3> {
         match i % 4 {
             1 => {
                 p[i / 4 % 3] =
-                    ((p[i / 4 % 3] / 8.0).round() * 8.0).clamp(low[i / 4 % 3], high[i / 4 % 3])
+                    ((p[i / 4 % 3] / 8.0).round() * 8.0).clamp(low[i / 4 % 3], high[i / 4 % 3]);
             }
             2 => p[i / 4 % 3] = if i % 8 == 2 { low } else { high }[i / 4 % 3],
             3 => p = p.round().clamp(low, high),
