@@ -5,7 +5,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use glam::{DAffine3, DVec3, UVec3, Vec3};
+use glam::{DAffine3, DVec3, UVec3, Vec2, Vec3};
 
 use crate::noise::{Noise, smoothstep};
 use crate::{BRICK_SIDE, BRICK_VOXELS, Grid, GridBuilder, VolumeError, VolumeLimits};
@@ -250,13 +250,13 @@ impl Plume {
         let layer = self.layer(y);
         let away = (p - layer.middle) / layer.radius;
         let mut around = Vec3::new(away.x, 1.3 * layer.travelled, away.z);
-        let far = (away.x * away.x + away.z * away.z).sqrt();
+        let far = Vec2::new(away.x, away.z).length();
         if far > 1.0 + Self::LUMPS + Self::SWIRL {
             return 0.0;
         }
         let [swirl_x, swirl_z] = self.swirl.map(|noise| noise.at(0.9 * around));
         around += Self::SWIRL * Vec3::new(swirl_x, 0.0, swirl_z);
-        let inside = 1.0 - (around.x * around.x + around.z * around.z).sqrt();
+        let inside = 1.0 - Vec2::new(around.x, around.z).length();
         if inside < -Self::LUMPS {
             return 0.0;
         }
@@ -292,7 +292,7 @@ impl Cloud {
         for i in 0..30_u32 {
             let random = |k: u32| noise.random(i * 8 + k);
             let (u, v) = (2.0 * random(0) - 1.0, 2.0 * random(1) - 1.0);
-            let long = (u * u + v * v).sqrt();
+            let long = Vec2::new(u, v).length();
             let (u, v) = (u / long.max(1.0), v / long.max(1.0));
             let room = 1.0 - long.min(1.0) * long.min(1.0);
             let radius = 0.07 + 0.05 * random(2) + 0.025 * room;
