@@ -5,13 +5,14 @@
 //! (sin θ sin φ, cos θ, −sin θ cos φ): the top is +Y, the centre −Z, right of it +X.
 
 use std::f64::consts::{PI, TAU};
+use std::fmt;
 use std::sync::Arc;
 
 use glam::DVec3;
 
 /// Equirectangular radiance map; row 0 looks up (+Y), the centre column looks along −Z, and the
 /// columns right of it toward +X.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct EnvironmentMap {
     /// Pixels.
     pub width: u32,
@@ -19,6 +20,13 @@ pub struct EnvironmentMap {
     pub height: u32,
     /// Linear RGB, `width · height` entries, finite and ≥ 0.
     pub pixels: Arc<Vec<[f32; 3]>>,
+}
+
+/// Without the pixels.
+impl fmt::Debug for EnvironmentMap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "EnvironmentMap({} × {})", self.width, self.height)
+    }
 }
 
 /// Equality is identity, as for [`crate::SharedGeometry`].
@@ -373,8 +381,8 @@ mod tests {
                 assert!((i + 65 - x) % 64 <= 2 && j.abs_diff(y) <= 1, "{i} {j}");
                 hits += u32::from((i, j) == (x, y));
             }
-            // 9/16 where the rows around are like it, more at the poles.
-            assert!((5300..8200).contains(&hits), "{hits}");
+            // 9/16 where the rows around are like it; at a pole the next row has thrice the angle.
+            assert!((5000..8200).contains(&hits), "{hits}");
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A density grid that scenes share, with what the planner asks about it.
 
+use std::fmt;
 use std::sync::Arc;
 
 use glam::{IVec3, UVec3};
@@ -8,7 +9,7 @@ use tyndall_volume::{BRICK_SIDE, Grid};
 /// A grid shared between scenes that differ in camera, lights, coefficients or placement only.
 ///
 /// Equality is identity (`Arc::ptr_eq`), as for [`crate::SharedGeometry`].
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct SharedGrid {
     grid: Arc<Grid>,
     stats: GridStats,
@@ -39,6 +40,19 @@ impl SharedGrid {
     /// What was computed when it was taken in.
     pub fn stats(&self) -> GridStats {
         self.stats
+    }
+}
+
+/// Without the voxels.
+impl fmt::Debug for SharedGrid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SharedGrid")
+            .field("name", &self.grid.name)
+            .field("size", &self.grid.size())
+            .field("bricks", &self.grid.stored_bricks())
+            .field("max", &self.grid.max())
+            .field("stats", &self.stats)
+            .finish()
     }
 }
 

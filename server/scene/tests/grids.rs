@@ -180,7 +180,7 @@ fn a_grid_is_read_once_and_kept_by_edits() {
         ),
         (json!([smoke(&json!({"grid": "fuel"}))]), "media[0].grid"),
         (
-            json!([smoke(&json!({"density_scale": 1e6}))]),
+            json!([smoke(&json!({"density_scale": 1e6, "sigma_t": 3}))]),
             "media[0].density_scale",
         ),
         (
