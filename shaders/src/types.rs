@@ -21,6 +21,16 @@ pub const MEDIUM_HOMOGENEOUS: u32 = 0;
 pub const MEDIUM_HEIGHT_FOG: u32 = 1;
 /// `Medium::shape` of a sphere with quadratic falloff.
 pub const MEDIUM_SPHERE: u32 = 2;
+/// `Medium::shape` of a density grid.
+pub const MEDIUM_GRID: u32 = 3;
+/// `Frame::medium_order`: any number of scatterings in media.
+pub const ORDER_ALL: u32 = 0;
+/// `Frame::medium_order`: none.
+pub const ORDER_NONE: u32 = 1;
+/// `Frame::medium_order`: exactly one.
+pub const ORDER_SINGLE: u32 = 2;
+/// `Frame::medium_order`: at least two.
+pub const ORDER_MULTIPLE: u32 = 3;
 /// `TextureSlot::wrap_u`: tiles.
 pub const WRAP_REPEAT: u32 = 0;
 /// `TextureSlot::wrap_u`: tiles, every other one mirrored.
@@ -87,6 +97,18 @@ mirrors! {
         exposure_scale: f32,
         statistics_scale: f32,
         accumulated: u32,
+        max_scatterings: u32,
+        max_surface_scatterings: u32,
+        medium_order: u32,
+        max_events: u32,
+    }
+
+    /// The part of the picture that one dispatch of the reference works on.
+    struct Slice {
+        first_row: u32,
+        rows: u32,
+        first_sample: u32,
+        samples: u32,
     }
 
     /// A light with a position or a direction.
@@ -118,7 +140,48 @@ mirrors! {
         bounds_min: [f32; 3],
         bounded: u32,
         bounds_max: [f32; 3],
-        padding: u32,
+        grid: u32,
+    }
+
+    /// A density grid's place in the shared buffers, and its lattice.
+    struct Grid {
+        row_x: [f32; 4],
+        row_y: [f32; 4],
+        row_z: [f32; 4],
+        clip_min: [f32; 3],
+        cell_side: f32,
+        clip_max: [f32; 3],
+        first_table: u32,
+        samples: [u32; 3],
+        first_slot: u32,
+        bricks: [u32; 3],
+        first_cell: u32,
+        cells: [u32; 3],
+        near_radius: f32,
+        extent: f32,
+        padding: [u32; 3],
+    }
+
+    /// Attributes of a triangle's corners.
+    struct TriangleSurface {
+        normal0: [f32; 3],
+        material: u32,
+        normal1: [f32; 3],
+        color0: u32,
+        normal2: [f32; 3],
+        color1: u32,
+        texcoords_a: [f32; 4],
+        texcoords_b: [f32; 4],
+        texcoords_c: [f32; 4],
+        emitter_density: f32,
+        color2: u32,
+        padding: [u32; 2],
+    }
+
+    /// An emissive triangle.
+    struct Emitter {
+        cumulative: f32,
+        triangle: u32,
     }
 
     /// One depth map seen from a light.
@@ -154,17 +217,15 @@ mirrors! {
         emission: [f32; 3],
         alpha_cutoff: f32,
         double_sided: u32,
-        padding: [u32; 7],
+        metallic: f32,
+        roughness: f32,
+        normal_scale: f32,
+        diffuse_only: u32,
+        padding: [u32; 3],
         base_color_slot: TextureSlot,
         emission_slot: TextureSlot,
-    }
-
-    /// A node of the binary BVH.
-    struct BvhNode {
-        min: [f32; 3],
-        primitive_count: u32,
-        max: [f32; 3],
-        first_index: u32,
+        metallic_roughness_slot: TextureSlot,
+        normal_slot: TextureSlot,
     }
 
     /// Counted on the device each frame.
@@ -174,5 +235,10 @@ mirrors! {
         clamped: u32,
         transmittance: u32,
         displayed: u32,
+        truncated: u32,
+        variance_of_halves: f32,
+        variance_of_samples: f32,
+        radiance: f32,
+        measured_pixels: f32,
     }
 }

@@ -5,7 +5,8 @@ use crate::error::RenderError;
 use crate::image::{self, Work};
 use crate::plan::{FramePlan, PassKind};
 use crate::programs::Bindings;
-use crate::techniques::{single_scattering, surfaces};
+use crate::slices::Slice;
+use crate::techniques::{reference, single_scattering, surfaces};
 use crate::tonemap;
 use crate::view::ViewParts;
 
@@ -15,6 +16,7 @@ pub(crate) fn record(
     plan: &FramePlan,
     parts: &mut ViewParts<'_>,
     work: Work,
+    slice: Option<Slice>,
 ) -> Result<(), RenderError> {
     recording
         .encoder
@@ -43,6 +45,12 @@ pub(crate) fn record(
             PassKind::SingleScattering => {
                 single_scattering::record(recording, &bindings, targets, variant)?;
             }
+            PassKind::Reference => {
+                if let Some(slice) = slice {
+                    reference::record(recording, &bindings, targets, variant, slice.rows)?;
+                }
+            }
+            PassKind::Estimate => image::record_estimate(recording, &bindings, targets)?,
             PassKind::Film => image::record(recording, &bindings, targets, variant)?,
             PassKind::Tonemap => tonemap::record(recording, &bindings, targets, variant)?,
         }

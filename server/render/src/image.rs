@@ -45,6 +45,9 @@ impl Change {
     }
 }
 
+/// Samples below which an estimated error stops nothing.
+const MIN_SAMPLES: u32 = 16;
+
 /// State of the running mean.
 #[derive(Debug)]
 pub(crate) struct Image {
@@ -53,6 +56,8 @@ pub(crate) struct Image {
     started: Instant,
     /// The mean is up to date but was never shown with the present exposure.
     redisplay: bool,
+    /// The relative error that was estimated last, and the samples it stands for.
+    error: Option<(u32, f32)>,
 }
 
 /// What the next frame of a view has to do.
@@ -73,6 +78,7 @@ impl Image {
             epoch: 0,
             started: Instant::now(),
             redisplay: false,
+            error: None,
         }
     }
 
@@ -92,6 +98,7 @@ impl Image {
         self.epoch = self.epoch.wrapping_add(1);
         self.started = Instant::now();
         self.redisplay = false;
+        self.error = None;
     }
 
     /// Samples in the mean.
@@ -111,8 +118,10 @@ impl Image {
             StopRule::Seconds(seconds) => {
                 self.samples > 0 && self.started.elapsed().as_secs_f32() >= seconds
             }
-            // Refused before a view exists: no variance is known yet.
-            StopRule::RelativeError(_) => self.samples > 0,
+            // Too few samples know too little about their own error.
+            StopRule::RelativeError(target) => self
+                .error
+                .is_some_and(|(samples, error)| samples >= MIN_SAMPLES && error <= target),
         }
     }
 
@@ -127,10 +136,25 @@ impl Image {
         }
     }
 
-    /// Notes that `work` was submitted.
-    pub fn advance(&mut self, work: Work) {
+    /// Samples the stop rule allows in all.
+    pub fn most_samples(&self, stop: StopRule) -> u32 {
+        match stop {
+            StopRule::Samples(target) => target,
+            StopRule::Seconds(_) | StopRule::RelativeError(_) => u32::MAX,
+        }
+    }
+
+    /// Takes the error estimated for `samples` samples of restart `epoch`.
+    pub fn note_error(&mut self, epoch: u32, samples: u32, error: f32) {
+        if epoch == self.epoch && error >= 0.0 {
+            self.error = Some((samples, error));
+        }
+    }
+
+    /// Notes that `work` was submitted, which added `samples` samples to every pixel.
+    pub fn advance(&mut self, work: Work, samples: u32) {
         if work == Work::Sample {
-            self.samples += 1;
+            self.samples = self.samples.saturating_add(samples);
         }
         self.redisplay = false;
     }
@@ -152,4 +176,15 @@ pub(crate) fn record(
     variant: &str,
 ) -> Result<(), crate::error::RenderError> {
     recording.compute("film", variant, bindings, targets.width, targets.height)
+}
+
+/// Records the estimate of the mean's own error.
+pub(crate) fn record_estimate(
+    recording: &mut crate::engine::Recording<'_>,
+    bindings: &crate::programs::Bindings<'_>,
+    targets: &Targets,
+) -> Result<(), crate::error::RenderError> {
+    let (width, height) = (targets.width, targets.height);
+    recording.compute("estimate", "estimate+tiles", bindings, width, height)?;
+    recording.compute("estimate", "estimate+total", bindings, 1, 1)
 }

@@ -19,6 +19,7 @@ mod programs;
 mod readback;
 mod renderer;
 mod self_test;
+mod slices;
 mod still;
 mod supported;
 mod targets;

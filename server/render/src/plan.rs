@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 use tyndall_scene::SceneFacts;
-use tyndall_scene::{RenderSettings, ShadowMode};
+use tyndall_scene::{RenderSettings, ShadowMode, Technique};
 
 /// A pass of the renderer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -20,8 +20,12 @@ pub enum PassKind {
     Shade,
     /// Light scattered once in the media.
     SingleScattering,
+    /// Unbiased path tracing of everything.
+    Reference,
     /// Running mean and statistics.
     Film,
+    /// The mean's own error.
+    Estimate,
     /// Exposure, curve, encoding.
     Tonemap,
 }
@@ -35,7 +39,9 @@ impl PassKind {
             Self::Gbuffer => "gbuffer",
             Self::Shade => "shade",
             Self::SingleScattering => "single_scattering",
+            Self::Reference => "reference",
             Self::Film => "film",
+            Self::Estimate => "estimate",
             Self::Tonemap => "tonemap",
         }
     }
@@ -121,6 +127,9 @@ fn visibility(facts: &SceneFacts, settings: &RenderSettings, lights: usize) -> S
 
 /// Decides what a frame of a scene with these facts does.
 pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) -> FramePlan {
+    if settings.technique == Technique::Reference {
+        return plan_reference(facts);
+    }
     let mut plan = FramePlan::default();
     let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
     let shadows = visibility(facts, settings, lights);
@@ -182,6 +191,56 @@ pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) 
         PassKind::Film,
         if marched { "film+in_scatter" } else { "film" },
         "running mean while nothing changes",
+    );
+    plan.run(PassKind::Tonemap, "tonemap", "8-bit picture for the screen");
+    plan
+}
+
+/// The path tracer needs no other pass's picture.
+fn plan_reference(facts: &SceneFacts) -> FramePlan {
+    let mut plan = FramePlan::default();
+    let surfaces = facts.triangles > 0;
+    if surfaces {
+        plan.run(
+            PassKind::Bvh,
+            "",
+            format!("{} triangles, built once", facts.triangles),
+        );
+    } else {
+        plan.skip(PassKind::Bvh, "", "no triangles to intersect");
+    }
+    plan.skip(PassKind::ShadowMaps, "", "visibility is traced");
+    plan.skip(PassKind::Gbuffer, "", "paths start at the camera");
+    plan.skip(PassKind::Shade, "", "paths light surfaces");
+    plan.skip(
+        PassKind::SingleScattering,
+        "",
+        "paths scatter any number of times",
+    );
+    let mut variant = String::from("reference");
+    if surfaces {
+        variant.push_str("+surfaces");
+        if facts.textures + facts.data_textures > 0 {
+            variant.push_str("+textured");
+        }
+    }
+    if facts.grids > 0 {
+        variant.push_str("+grids");
+    }
+    let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
+    plan.run(
+        PassKind::Reference,
+        &variant,
+        format!(
+            "{lights} lights, {} emissive triangles, {} media of which {} grids",
+            facts.emissive_triangles, facts.media, facts.grids
+        ),
+    );
+    plan.skip(PassKind::Film, "", "the path tracer keeps the mean");
+    plan.run(
+        PassKind::Estimate,
+        "",
+        "error of the mean from its two halves",
     );
     plan.run(PassKind::Tonemap, "tonemap", "8-bit picture for the screen");
     plan

@@ -131,5 +131,6 @@ pub fn medium_values(scene: &tyndall_scene::Scene) -> Vec<tyndall_shaders::types
 
 /// Bytes of the BVH of `scene`'s geometry relative to the world's origin: nodes, vertices.
 pub fn bvh_bytes(scene: &tyndall_scene::Scene) -> Result<(Vec<u8>, Vec<u8>), RenderError> {
-    crate::gpu_scene::bvh_bytes(&scene.geometry, glam::DVec3::ZERO)
+    let parts = crate::gpu_scene::bvh_parts(&scene.geometry, glam::DVec3::ZERO)?;
+    Ok((parts.nodes, parts.vertices))
 }

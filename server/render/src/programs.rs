@@ -17,9 +17,21 @@ pub(crate) type Groups = Vec<(u32, wgpu::BindGroup)>;
 
 /// Numbers that pipelines are built for; each shader takes those it declares.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "independent facts, not the states of a machine"
+)]
 pub(crate) struct Constants {
     pub medium_count: u32,
     pub light_count: u32,
+    pub emitter_count: u32,
+    /// Whether coefficients differ between the channels, in any medium and in grids.
+    pub chromatic: bool,
+    pub chromatic_grids: bool,
+    /// Whether a ray can run into light.
+    pub finds_light: bool,
+    /// Whether a medium glows.
+    pub glows: bool,
 }
 
 impl Constants {
@@ -27,17 +39,27 @@ impl Constants {
         match name {
             "MEDIUM_COUNT" => Some(f64::from(self.medium_count)),
             "LIGHT_COUNT" => Some(f64::from(self.light_count)),
+            "EMITTER_COUNT" => Some(f64::from(self.emitter_count)),
+            "CHROMATIC" => Some(f64::from(self.chromatic)),
+            "CHROMATIC_GRIDS" => Some(f64::from(self.chromatic_grids)),
+            "FINDS_LIGHT" => Some(f64::from(self.finds_light)),
+            "GLOWS" => Some(f64::from(self.glows)),
             _ => None,
         }
     }
 
-    /// Those that `shader` declares, zero elsewhere: other values share its pipeline.
+    /// Those that `shader` declares, nothing elsewhere: other values share its pipeline.
     fn of(self, shader: &Shader) -> Self {
         let declares = |name: &str| shader.overrides.iter().any(|o| o.name == name);
         let kept = |value: u32, name: &str| if declares(name) { value } else { 0 };
         Self {
             medium_count: kept(self.medium_count, "MEDIUM_COUNT"),
             light_count: kept(self.light_count, "LIGHT_COUNT"),
+            emitter_count: kept(self.emitter_count, "EMITTER_COUNT"),
+            chromatic: self.chromatic && declares("CHROMATIC"),
+            chromatic_grids: self.chromatic_grids && declares("CHROMATIC_GRIDS"),
+            finds_light: self.finds_light && declares("FINDS_LIGHT"),
+            glows: self.glows && declares("GLOWS"),
         }
     }
 }

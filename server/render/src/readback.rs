@@ -46,6 +46,8 @@ pub struct FinishedFrame {
     pub pass_times: Vec<PassTime>,
     /// From the start of recording to the picture being on the CPU. Unit: µs.
     pub render_micros: u32,
+    /// Pixel samples of the reference's slice.
+    pub(crate) units: u64,
 }
 
 /// Numbers about a frame, measured on the device.
@@ -61,6 +63,11 @@ pub struct FrameStats {
     pub negative: u32,
     /// Values limited by a named clamp.
     pub clamped: u32,
+    /// Paths given up after too many events.
+    pub truncated: u32,
+    /// Estimated error of the running mean relative to the picture's mean, √(mean variance)/mean,
+    /// where the technique knows it.
+    pub estimated_error: Option<f32>,
 }
 
 /// What is known of a frame when it is submitted.
@@ -75,6 +82,8 @@ pub(crate) struct FrameMeta {
     pub statistics_scale: f32,
     /// Whether the film pass ran; otherwise its statistics are the previous frame's.
     pub filmed: bool,
+    /// Pixel samples of the reference's slice.
+    pub units: u64,
 }
 
 #[derive(Debug)]
@@ -207,6 +216,7 @@ impl ReadbackRing {
                     .times(&frame_timing, &bytes[Self::timestamps_at(w, h) as usize..]),
                 render_micros: u32::try_from(meta.started.elapsed().as_micros())
                     .unwrap_or(u32::MAX),
+                units: meta.units,
             }
         });
         slot.buffer.unmap();
@@ -247,7 +257,16 @@ fn frame_stats(
         non_finite: counted.non_finite,
         negative: counted.negative,
         clamped: counted.clamped,
+        truncated: counted.truncated,
+        estimated_error: estimated_error(counted),
     }
+}
+
+/// √(mean variance)/mean radiance; unknown where nothing was measured or everything is black.
+fn estimated_error(counted: &Statistics) -> Option<f32> {
+    let mean = counted.radiance / counted.measured_pixels.max(1.0);
+    let variance = counted.variance_of_halves / counted.measured_pixels.max(1.0);
+    (counted.measured_pixels > 0.0 && mean > 0.0).then(|| variance.sqrt() / mean)
 }
 
 /// Fixed-point scale that keeps a sum of values in [0, 1] over all pixels below 2³¹.

@@ -4,7 +4,7 @@ use std::sync::{Arc, Weak};
 use std::time::Instant;
 
 use glam::DVec3;
-use tyndall_scene::Scene;
+use tyndall_scene::{Medium, MediumShape, Scene, SceneFacts, Technique};
 
 use crate::device::{AdapterSummary, Device};
 use crate::engine::Recording;
@@ -12,7 +12,7 @@ use crate::error::RenderError;
 use crate::frame;
 use crate::gpu_scene::{GpuGeometry, SampleValues};
 use crate::image::Work;
-use crate::plan::{PlanLimits, march_steps};
+use crate::plan::{PassKind, PlanLimits, march_steps};
 use crate::programs::{Constants, Programs};
 use crate::readback::{FrameMeta, statistics_scale, wait};
 use crate::self_test::SelfTest;
@@ -79,6 +79,7 @@ impl Renderer {
         height: u32,
     ) -> Result<View, RenderError> {
         check_supported(&scene)?;
+        self.check_loops(&scene)?;
         let geometry = self.geometry(&scene)?;
         let limits = self.plan_limits();
         let view = View::new(&self.device, scene, geometry, (width, height), limits)?;
@@ -89,6 +90,7 @@ impl Renderer {
     /// Gives a view a new state of its scene. On an error the view keeps the old one.
     pub fn update_view(&mut self, view: &mut View, scene: Arc<Scene>) -> Result<(), RenderError> {
         check_supported(&scene)?;
+        self.check_loops(&scene)?;
         let geometry = if view.scene.geometry == scene.geometry {
             Arc::clone(&view.geometry)
         } else {
@@ -132,6 +134,14 @@ impl Renderer {
             view.stale = false;
         }
         let (width, height) = view.size();
+        let slice = (work == Work::Sample && view.plan.runs(PassKind::Reference)).then(|| {
+            let most = view.image.most_samples(stop);
+            view.slices
+                .next((width, height), view.image.samples(), most)
+        });
+        if let Some(slice) = slice {
+            view.inputs.upload_slice(&self.device, slice);
+        }
         let sample = SampleValues {
             pixel_offset: view.image.pixel_offset(),
             sample_index: view.image.samples(),
@@ -149,10 +159,7 @@ impl Renderer {
             &self.device,
             &self.programs,
             &view.timing,
-            Constants {
-                medium_count: view.scene.media.len() as u32,
-                light_count: view.scene.lights.len() as u32,
-            },
+            constants(&view.scene, &view.facts, view.geometry.emitter_count()),
         );
         let mut parts = ViewParts {
             geometry: &view.geometry,
@@ -160,7 +167,7 @@ impl Renderer {
             inputs: &view.inputs,
             shadows: &mut view.shadows,
         };
-        frame::record(&mut recording, &view.plan, &mut parts, work)?;
+        frame::record(&mut recording, &view.plan, &mut parts, work, slice)?;
         view.ring.record(
             &mut recording.encoder,
             &view.targets.displayed,
@@ -169,7 +176,11 @@ impl Renderer {
             &recording.frame_timing,
         );
         let frame_timing = recording.submit()?;
-        view.image.advance(work);
+        if let Some(slice) = slice {
+            view.slices.advance(slice);
+        }
+        let added = slice.map_or(1, |slice| if slice.completes { slice.samples } else { 0 });
+        view.image.advance(work, added);
         let meta = FrameMeta {
             tag,
             samples: view.image.samples(),
@@ -178,6 +189,7 @@ impl Renderer {
             started,
             statistics_scale: statistics_scale(width, height),
             filmed: work == Work::Sample,
+            units: slice.map_or(0, |slice| slice.units(width)),
         };
         view.ring.submit(meta, frame_timing);
         Ok(RenderOutcome::Submitted)
@@ -198,6 +210,18 @@ impl Renderer {
         self.device.check()
     }
 
+    /// Paths are longer than what some drivers let a shader do.
+    fn check_loops(&self, scene: &Scene) -> Result<(), RenderError> {
+        match self.plan_limits().loop_cap {
+            Some(cap) if scene.render.technique == Technique::Reference => {
+                Err(RenderError::Refused(format!(
+                    "this driver silently stops a shader after {cap} loop iterations, which cuts the reference's paths short: a newer driver (Mesa 23.1 or later) is needed"
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The scene's geometry on the device, shared with every view that already has it.
     fn geometry(&mut self, scene: &Scene) -> Result<Arc<GpuGeometry>, RenderError> {
         self.geometries.retain(|known| known.strong_count() > 0);
@@ -215,5 +239,24 @@ impl Renderer {
         let uploaded = Arc::new(GpuGeometry::upload(&self.device, &scene.geometry, anchor)?);
         self.geometries.push(Arc::downgrade(&uploaded));
         Ok(uploaded)
+    }
+}
+
+/// What pipelines are built for.
+fn constants(scene: &Scene, facts: &SceneFacts, emitter_count: u32) -> Constants {
+    let chromatic = |medium: &Medium| {
+        let grey = |rgb: [f32; 3]| rgb == [rgb[0]; 3];
+        let sigma_t: [f32; 3] = std::array::from_fn(|c| medium.sigma_s[c] + medium.sigma_a[c]);
+        !grey(sigma_t)
+    };
+    let in_grid = |medium: &Medium| matches!(medium.shape, MediumShape::Grid { .. });
+    Constants {
+        medium_count: scene.media.len() as u32,
+        light_count: scene.lights.len() as u32,
+        emitter_count,
+        chromatic: scene.media.iter().any(chromatic),
+        chromatic_grids: scene.media.iter().any(|m| chromatic(m) && in_grid(m)),
+        finds_light: emitter_count > 0 || facts.environment,
+        glows: facts.medium_emits,
     }
 }

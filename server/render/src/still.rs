@@ -12,6 +12,17 @@ pub struct Still {
     pub frame: FinishedFrame,
     /// Mean linear RGB radiance and mean transmittance, row 0 at the top. Unit: W·m⁻²·sr⁻¹.
     pub radiance: Vec<[f32; 4]>,
+    /// Variance of each pixel's mean as if its samples were independent, an upper estimate where they
+    /// are better spread than that. Only the reference knows it.
+    pub variance: Option<Vec<[f32; 3]>>,
+    /// Samples of each pixel. Only the reference counts them a pixel.
+    pub samples_per_pixel: Option<Vec<f32>>,
+    /// Distance to the first surface, mean over the samples; 0 without any. Unit: m.
+    pub depth: Option<Vec<f32>>,
+    /// Normal of the first surface in world axes, mean over the samples.
+    pub normal: Option<Vec<[f32; 3]>>,
+    /// Base colour of the first surface, mean over the samples.
+    pub albedo: Option<Vec<[f32; 3]>>,
     /// Sum over all frames of pixels that were not finite.
     pub non_finite: u64,
     /// Sum over all frames of pixels that were negative.
@@ -75,18 +86,44 @@ impl Renderer {
             frame = Some(newer);
         }
         let frame = frame.ok_or_else(|| RenderError::Refused("no frame arrived".into()))?;
-        Ok(Still {
+        let mut still = Still {
             frame,
             radiance: self.read_radiance(view)?,
+            variance: None,
+            samples_per_pixel: None,
+            depth: None,
+            normal: None,
+            albedo: None,
             non_finite,
             negative,
-        })
+        };
+        if let Some(reference) = &view.targets.reference {
+            let moments = self.read_pixels(&reference.moments)?;
+            let surface = self.read_pixels(&reference.film_surface)?;
+            let first =
+                |pairs: &[[f32; 4]]| pairs.chunks_exact(2).map(|p| p[0]).collect::<Vec<_>>();
+            let rgb = |v: [f32; 4]| [v[0], v[1], v[2]];
+            let moments = first(&moments);
+            let variance = |m: &[f32; 4]| rgb(*m).map(|sum| sum / (m[3] * (m[3] - 1.0)).max(1.0));
+            still.variance = Some(moments.iter().map(variance).collect());
+            still.samples_per_pixel = Some(moments.iter().map(|m| m[3]).collect());
+            // Means over all samples, of which a share met a surface.
+            let met = surface.chunks_exact(2).map(|p| p[1][3].max(1e-6));
+            still.depth = Some(met.zip(first(&surface)).map(|(s, p)| p[3] / s).collect());
+            still.albedo = Some(first(&surface).into_iter().map(rgb).collect());
+            still.normal = Some(surface.chunks_exact(2).map(|p| rgb(p[1])).collect());
+        }
+        Ok(still)
     }
 
     /// Reads the running mean: linear RGB radiance and transmittance, row 0 at the top.
     pub fn read_radiance(&self, view: &View) -> Result<Vec<[f32; 4]>, RenderError> {
+        self.read_pixels(&view.targets.film)
+    }
+
+    /// Reads a buffer of four floats an entry.
+    fn read_pixels(&self, film: &wgpu::Buffer) -> Result<Vec<[f32; 4]>, RenderError> {
         let device = self.device();
-        let film = &view.targets.film;
         let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("still.radiance"),
             size: film.size(),

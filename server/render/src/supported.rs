@@ -19,19 +19,19 @@ pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
         .map(|path| format!("{path}: animation"))
         .collect();
     let technique = match scene.render.technique {
-        Technique::Auto | Technique::SingleScattering => None,
+        Technique::Auto | Technique::SingleScattering | Technique::Reference => None,
         Technique::InstantVpl => Some("instant_vpl"),
         Technique::PrincipalOrdinates => Some("principal_ordinates"),
         Technique::ScreenSpace => Some("screen_space"),
-        Technique::Reference => Some("reference"),
     };
     if let Some(name) = technique {
         fields.push(format!("render.technique: {name}"));
     }
-    if matches!(scene.render.stop, StopRule::RelativeError(_)) {
+    let traced = scene.render.technique == Technique::Reference;
+    if matches!(scene.render.stop, StopRule::RelativeError(_)) && !traced {
         fields.push("render.relative_error: needs the reference's variance".into());
     }
-    if scene.environment.is_some() {
+    if scene.environment.is_some() && !traced {
         fields.push("lights: kind environment".into());
     }
     for (i, medium) in scene.media.iter().enumerate() {
@@ -44,7 +44,7 @@ pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
         .materials
         .iter()
         .any(|m| m.alpha_cutoff.is_some());
-    if masked && scene.render.shadows.mode == ShadowMode::Traced {
+    if masked && !traced && scene.render.shadows.mode == ShadowMode::Traced {
         fields.push("render.shadows.mode: traced, with alpha-masked materials".into());
     }
     if fields.is_empty() {
@@ -66,6 +66,9 @@ pub fn approximations(scene: &Scene) -> Vec<String> {
         .filter(|m| m.metallic > 0.0 || m.roughness < 1.0 || m.metallic_roughness_texture.is_some())
         .count();
     let mut found = Vec::new();
+    if scene.render.technique == Technique::Reference {
+        return found;
+    }
     if normal_mapped > 0 {
         found.push(format!(
             "{normal_mapped} materials have normal maps, which are not rendered yet"

@@ -21,8 +21,21 @@ pub(crate) struct Targets {
     pub in_scattered_radiance: Option<wgpu::TextureView>,
     /// Four f32 a pixel.
     pub film: wgpu::Buffer,
+    /// Present when the plan traces paths.
+    pub reference: Option<ReferenceTargets>,
     /// One RGBA8 word a pixel.
     pub displayed: wgpu::Buffer,
+}
+
+/// What the reference keeps of each pixel beside its mean.
+#[derive(Debug)]
+pub(crate) struct ReferenceTargets {
+    /// Eight f32 a pixel: see `techniques/reference/path_trace.wesl`.
+    pub moments: wgpu::Buffer,
+    /// Eight f32 a pixel: base colour, depth, normal, share that met a surface.
+    pub film_surface: wgpu::Buffer,
+    /// Four f32 a tile of 8×8 pixels.
+    pub tile_sums: wgpu::Buffer,
 }
 
 /// Which optional targets a plan uses.
@@ -30,6 +43,7 @@ pub(crate) struct Targets {
 pub(crate) struct TargetNeeds {
     pub emission: bool,
     pub in_scatter: bool,
+    pub reference: bool,
 }
 
 impl Targets {
@@ -42,7 +56,9 @@ impl Targets {
     ) -> Result<Self, RenderError> {
         let limits = device.device.limits();
         let max_side = limits.max_texture_dimension_2d;
-        let max_pixels = limits.max_storage_buffer_binding_size / 16;
+        // The film takes 16 bytes a pixel, the reference's moments 32.
+        let per_pixel = if needs.reference { 32 } else { 16 };
+        let max_pixels = limits.max_storage_buffer_binding_size / per_pixel;
         let pixels = u64::from(width) * u64::from(height);
         if pixels == 0 || pixels > max_pixels || width.max(height) > max_side {
             return Err(RenderError::Size {
@@ -96,6 +112,17 @@ impl Targets {
             in_scattered_radiance: needs
                 .in_scatter
                 .then(|| texture("in_scattered_radiance", radiance, stored)),
+            reference: needs.reference.then(|| ReferenceTargets {
+                moments: buffer("moments", 32),
+                film_surface: buffer("film_surface", 32),
+                // As many as 8×8 tiles, rounded up on both sides, for any shape.
+                tile_sums: device.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("tile_sums"),
+                    size: u64::from(width.div_ceil(8)) * u64::from(height.div_ceil(8)) * 16,
+                    usage: wgpu::BufferUsages::STORAGE,
+                    mapped_at_creation: false,
+                }),
+            }),
             film: buffer("film", 16),
             displayed: buffer("displayed", 4),
         })

@@ -1,16 +1,18 @@
 //! One picture being made: a scene, its state on the device, its running mean and its readback ring.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use tyndall_scene::{Scene, SceneFacts, ShadowMode};
 
-use crate::device::Device;
+use crate::device::{AdapterKind, Device};
 use crate::error::RenderError;
 use crate::gpu_scene::{GpuGeometry, Inputs};
 use crate::image::{Change, Image};
 use crate::plan::{FramePlan, PassKind, PlanLimits, plan};
 use crate::programs::Bindings;
 use crate::readback::{FinishedFrame, ReadbackRing};
+use crate::slices::Slices;
 use crate::targets::{TargetNeeds, Targets};
 use crate::techniques::shadow_maps::ShadowMaps;
 use crate::timing::Timing;
@@ -26,6 +28,7 @@ pub struct View {
     pub(crate) inputs: Inputs,
     pub(crate) shadows: ShadowMaps,
     pub(crate) image: Image,
+    pub(crate) slices: Slices,
     pub(crate) ring: ReadbackRing,
     pub(crate) timing: Timing,
     /// Whether lights, media, instances and shadow transforms must be uploaded again.
@@ -51,6 +54,7 @@ impl ViewParts<'_> {
             .buffer("lights", &inputs.lights)
             .buffer("media", &inputs.media)
             .buffer("statistics", &inputs.statistics)
+            .buffer("slice", &inputs.slice)
             .buffer("film", &targets.film)
             .buffer("displayed", &targets.displayed)
             .texture("gbuffer_depth", &targets.depth)
@@ -59,6 +63,12 @@ impl ViewParts<'_> {
             .texture("surface_radiance", &targets.surface_radiance);
         if let Some(emission) = &targets.emission {
             bindings.texture("gbuffer_emission", emission);
+        }
+        if let Some(reference) = &targets.reference {
+            bindings
+                .buffer("moments", &reference.moments)
+                .buffer("film_surface", &reference.film_surface)
+                .buffer("tile_sums", &reference.tile_sums);
         }
         if let Some(radiance) = &targets.in_scattered_radiance {
             bindings.texture("in_scattered_radiance", radiance);
@@ -78,9 +88,7 @@ impl View {
     ) -> Result<Self, RenderError> {
         let facts = tyndall_scene::facts(&scene);
         let plan = plan(&facts, &scene.render, &limits);
-        if plan.runs(PassKind::Bvh) {
-            geometry.need_bvh(device)?;
-        }
+        need_geometry(device, &geometry, &plan)?;
         let mut shadows = ShadowMaps::new(device);
         fit_shadows(&mut shadows, device, &scene, &facts, &plan)?;
         Ok(Self {
@@ -88,6 +96,7 @@ impl View {
             inputs: Inputs::new(device, &scene),
             shadows,
             image: Image::new(),
+            slices: Slices::new(slice_budget(device)),
             ring: ReadbackRing::new(device, width, height),
             timing: Timing::new(device),
             stale: true,
@@ -116,9 +125,7 @@ impl View {
         } else {
             None
         };
-        if plan.runs(PassKind::Bvh) {
-            geometry.need_bvh(device)?;
-        }
+        need_geometry(device, &geometry, &plan)?;
         fit_shadows(&mut self.shadows, device, &scene, &facts, &plan)?;
         if change.geometry {
             self.shadows.invalidate();
@@ -135,6 +142,9 @@ impl View {
         self.geometry = geometry;
         self.stale |= change.geometry || change.radiance;
         self.image.apply(change);
+        if change.geometry || change.radiance {
+            self.slices.restart();
+        }
         Ok(())
     }
 
@@ -150,6 +160,7 @@ impl View {
         self.targets = Targets::new(device, width, height, needs(&self.plan))?;
         self.ring = ReadbackRing::new(device, width, height);
         self.image.restart();
+        self.slices.restart();
         Ok(())
     }
 
@@ -194,18 +205,53 @@ impl View {
 
     /// The oldest finished frame, if one has arrived; call [`Renderer::poll`](crate::Renderer::poll) first.
     pub fn take_finished(&mut self) -> Option<FinishedFrame> {
-        self.ring.take(&self.timing)
+        let frame = self.ring.take(&self.timing)?;
+        let traced = frame.pass_times.iter().find(|t| t.name == "reference");
+        let seconds = traced.map_or(f64::from(frame.render_micros), |t| f64::from(t.micros)) * 1e-6;
+        self.slices.measured(frame.units, seconds);
+        if let Some(error) = frame.stats.estimated_error {
+            self.image.note_error(frame.epoch, frame.samples, error);
+        }
+        Some(frame)
+    }
+
+    /// Longest dispatch of the reference; 8 ms on a GPU, 60 ms on a software driver without this.
+    pub fn set_slice_budget(&mut self, budget: Duration) {
+        self.slices.set_budget(budget);
     }
 
     /// How visibility toward lights is found at present.
     pub fn shadow_mode(&self) -> ShadowMode {
         if self.plan.runs(PassKind::ShadowMaps) {
             ShadowMode::Mapped
-        } else if self.plan.runs(PassKind::Bvh) {
+        } else if self.plan.runs(PassKind::Bvh) || self.plan.runs(PassKind::Reference) {
             ShadowMode::Traced
         } else {
             ShadowMode::Off
         }
+    }
+}
+
+/// Longest dispatch of the reference that leaves a picture responsive.
+fn slice_budget(device: &Device) -> Duration {
+    match device.summary().kind {
+        AdapterKind::Gpu => Duration::from_millis(8),
+        AdapterKind::Software | AdapterKind::Other => Duration::from_millis(60),
+    }
+}
+
+/// Builds what the plan asks rays about.
+fn need_geometry(
+    device: &Device,
+    geometry: &GpuGeometry,
+    plan: &FramePlan,
+) -> Result<(), RenderError> {
+    if plan.runs(PassKind::Reference) && plan.runs(PassKind::Bvh) {
+        geometry.need_triangles(device)
+    } else if plan.runs(PassKind::Bvh) {
+        geometry.need_bvh(device)
+    } else {
+        Ok(())
     }
 }
 
@@ -230,5 +276,6 @@ fn needs(plan: &FramePlan) -> TargetNeeds {
             .variant(PassKind::Shade)
             .is_some_and(|variant| variant.contains("+emissive")),
         in_scatter: plan.runs(PassKind::SingleScattering),
+        reference: plan.runs(PassKind::Reference),
     }
 }

@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use glam::{BVec3, DVec3, Vec3};
 
-use crate::scene::{Aabb, Camera, Geometry, Instance, Light, Medium, MediumShape, Scene};
+use crate::scene::{
+    Aabb, Camera, Geometry, Instance, Light, Material, Medium, MediumShape, Scene, TextureRef,
+};
 
 /// Numbers and yes/no facts that decide which passes a scene needs.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -19,6 +21,8 @@ pub struct SceneFacts {
     pub instances: usize,
     /// Textures of base colour and emission in use.
     pub textures: usize,
+    /// Metallic-roughness and normal maps in use.
+    pub data_textures: usize,
     /// Instances whose material has an alpha cutoff.
     pub alpha_masked_instances: usize,
     /// Triangles that emit light, over all instances.
@@ -76,7 +80,11 @@ pub fn facts(scene: &Scene) -> SceneFacts {
     SceneFacts {
         triangles: geometry.instances.iter().map(triangles).sum(),
         instances: geometry.instances.len(),
-        textures: used_textures(geometry).len(),
+        textures: used_textures(geometry, |m| [m.base_color_texture, m.emission_texture]).len(),
+        data_textures: used_textures(geometry, |m| {
+            [m.metallic_roughness_texture, m.normal_texture]
+        })
+        .len(),
         alpha_masked_instances: geometry
             .instances
             .iter()
@@ -143,8 +151,11 @@ fn albedo(medium: &Medium) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// Textures of base colour and emission that some instance shows: what the passes read.
-fn used_textures(geometry: &Geometry) -> BTreeSet<usize> {
+/// Textures that `of` names of the materials that some instance shows.
+fn used_textures(
+    geometry: &Geometry,
+    of: fn(&Material) -> [Option<TextureRef>; 2],
+) -> BTreeSet<usize> {
     let materials: BTreeSet<usize> = geometry
         .instances
         .iter()
@@ -152,10 +163,7 @@ fn used_textures(geometry: &Geometry) -> BTreeSet<usize> {
         .collect();
     materials
         .into_iter()
-        .flat_map(|index| {
-            let material = &geometry.materials[index];
-            [material.base_color_texture, material.emission_texture]
-        })
+        .flat_map(|index| of(&geometry.materials[index]))
         .flatten()
         .map(|texture| texture.texture)
         .collect()

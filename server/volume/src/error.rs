@@ -49,4 +49,20 @@ impl VolumeError {
             allowed: allowed.into(),
         }
     }
+
+    /// The file follows its format but uses a part of it that is not read.
+    pub fn unsupported(field: impl Into<String>, what: impl Into<String>) -> Self {
+        Self::Unsupported {
+            field: field.into(),
+            what: what.into(),
+        }
+    }
+
+    /// Refuses what is larger than allowed.
+    pub(crate) fn within(what: &'static str, found: u64, limit: u64) -> Result<(), Self> {
+        if found > limit {
+            return Err(Self::Limit { what, found, limit });
+        }
+        Ok(())
+    }
 }

@@ -1,5 +1,8 @@
 //! A sparse scalar field on a lattice.
 
+use std::collections::HashMap;
+use std::fmt;
+
 use glam::{DAffine3, DVec3, IVec3, UVec3};
 
 use crate::brick::voxel_index;
@@ -8,11 +11,14 @@ use crate::{BRICK_SIDE, BRICK_VOXELS, Brick, VolumeError, VolumeLimits};
 /// Table entry of a brick that is all zero.
 const EMPTY: u32 = u32::MAX;
 
+/// Longest side of a lattice: lattice points are exact in single precision below it. Unit: voxel.
+const MAX_SIDE: u32 = 1 << 24;
+
 /// A sparse scalar field, finite and ≥ 0: samples at the points of a lattice, trilinear between
 /// them, 0 outside `clip`.
 ///
 /// The sample of voxel (i, j, k), each in `0..size`, lies at lattice point (i, j, k).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Grid {
     /// Name in the file, or empty.
     pub name: String,
@@ -28,6 +34,21 @@ pub struct Grid {
     table: Vec<u32>,
     values: Vec<Brick>,
     max: f32,
+}
+
+/// In short: a grid's voxels would fill pages.
+impl fmt::Debug for Grid {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Grid")
+            .field("name", &self.name)
+            .field("size", &self.size)
+            .field("stored_bricks", &self.values.len())
+            .field("max", &self.max)
+            .field("clip", &self.clip)
+            .field("report", &self.report)
+            .finish_non_exhaustive()
+    }
 }
 
 /// What was mended on the way in.
@@ -50,7 +71,7 @@ impl Grid {
         self.bricks
     }
 
-    /// Bricks that hold something.
+    /// Bricks that are stored. Bricks of one and the same value are stored once.
     pub fn stored_bricks(&self) -> usize {
         self.values.len()
     }
@@ -72,6 +93,18 @@ impl Grid {
             EMPTY => None,
             slot => Some(&self.values[slot as usize]),
         }
+    }
+
+    /// Index below [`Self::stored_bricks`] of brick (x, y, z), `None` where it is empty or outside.
+    /// Bricks of one and the same value share an index.
+    pub fn brick_slot(&self, brick: IVec3) -> Option<u32> {
+        let slot = self.table[self.table_index(brick)?];
+        (slot != EMPTY).then_some(slot)
+    }
+
+    /// The stored bricks, in the order of [`Self::brick_slot`].
+    pub fn stored(&self) -> &[Brick] {
+        &self.values
     }
 
     /// Voxel (i, j, k); 0 outside the lattice.
@@ -126,13 +159,16 @@ impl Grid {
 pub struct GridBuilder {
     grid: Grid,
     limits: VolumeLimits,
+    /// Slots of the bricks of one value, by the value's bits. Entries may share them.
+    uniform: HashMap<u32, u32>,
 }
 
 impl GridBuilder {
     /// An empty lattice of `size` voxels, placed by the identity, clipped to its samples.
     ///
     /// # Errors
-    /// [`VolumeError::Invalid`] if a side is 0, [`VolumeError::Limit`] if the table alone is too large.
+    /// [`VolumeError::Invalid`] if a side is 0, [`VolumeError::Limit`] if a side is longer than
+    /// 2²⁴ voxels or the table alone is too large.
     pub fn new(size: [u32; 3], limits: &VolumeLimits) -> Result<Self, VolumeError> {
         let size = UVec3::from_array(size);
         if size.cmpeq(UVec3::ZERO).any() {
@@ -143,6 +179,8 @@ impl GridBuilder {
                 "at least 1 along x, y and z",
             ));
         }
+        let longest = u64::from(size.max_element());
+        VolumeError::within("voxels along a side", longest, u64::from(MAX_SIDE))?;
         let bricks = size.map(|side| side.div_ceil(BRICK_SIDE));
         let entries = bricks
             .to_array()
@@ -162,6 +200,7 @@ impl GridBuilder {
                 max: 0.0,
             },
             limits: *limits,
+            uniform: HashMap::new(),
         };
         let bytes = u64::try_from(entries * size_of::<u32>() as u128).unwrap_or(u64::MAX);
         builder.check(bytes)?;
@@ -180,16 +219,13 @@ impl GridBuilder {
         Ok(())
     }
 
-    /// Sets brick (x, y, z). Voxels beyond the lattice are dropped; all zero stores nothing.
+    /// Sets brick (x, y, z). Voxels beyond the lattice are dropped; all zero stores nothing, and
+    /// all equal is stored once.
     ///
     /// # Errors
     /// [`VolumeError::Limit`] if the bricks grow too many, [`VolumeError::Invalid`] if it lies outside.
     pub fn set_brick(&mut self, brick: UVec3, values: &Brick) -> Result<(), VolumeError> {
-        let Some(index) = self.grid.table_index(brick.as_ivec3()) else {
-            let found = format!("brick {brick}");
-            let allowed = format!("below {}", self.grid.bricks);
-            return Err(VolumeError::invalid("brick", found, allowed));
-        };
+        let index = self.index(brick)?;
         let mut clean = [0.0; BRICK_VOXELS];
         let rest = (self.grid.size - brick * BRICK_SIDE).min(UVec3::splat(BRICK_SIDE));
         for z in 0..rest.z {
@@ -200,16 +236,55 @@ impl GridBuilder {
                 }
             }
         }
-        if clean.iter().all(|value| *value == 0.0) {
+        if clean.iter().all(|value| *value == clean[0]) {
+            self.grid.table[index] = self.uniform_entry(clean[0])?;
             return Ok(());
         }
         let slot = self.grid.table[index];
-        if slot == EMPTY {
-            self.check(self.grid.bytes() + size_of::<Brick>() as u64)?;
-            self.grid.table[index] = self.grid.values.len() as u32;
-            self.grid.values.push(clean);
+        if slot == EMPTY || self.is_shared(slot) {
+            self.grid.table[index] = self.push(&clean)?;
         } else {
             self.grid.values[slot as usize] = clean;
+        }
+        Ok(())
+    }
+
+    /// Sets every brick from `low` to below `high` to one value, which costs one stored brick in
+    /// all. Each has to lie in the lattice whole.
+    ///
+    /// # Errors
+    /// [`VolumeError::Limit`] if the brick is one too many, [`VolumeError::Invalid`] if one reaches
+    /// beyond the lattice.
+    pub fn set_uniform_bricks(
+        &mut self,
+        low: UVec3,
+        high: UVec3,
+        value: f32,
+    ) -> Result<(), VolumeError> {
+        if low.cmpge(high).any() {
+            return Ok(());
+        }
+        if high.cmpgt(self.grid.size / BRICK_SIDE).any() {
+            let found = format!("bricks {low} to {high}");
+            let allowed = format!("whole bricks of {} voxels", self.grid.size);
+            return Err(VolumeError::invalid("brick", found, allowed));
+        }
+        let voxels = (high - low).as_u64vec3().element_product() * BRICK_VOXELS as u64;
+        let before = self.grid.report;
+        let value = self.clean(value);
+        if self.grid.report.non_finite > before.non_finite {
+            self.grid.report.non_finite = before.non_finite + voxels;
+        }
+        if self.grid.report.negative > before.negative {
+            self.grid.report.negative = before.negative + voxels;
+        }
+        let entry = self.uniform_entry(value)?;
+        for z in low.z..high.z {
+            for y in low.y..high.y {
+                let first = self.index(UVec3::new(low.x, y, z))?;
+                let end = first + (high.x - low.x) as usize;
+                self.grid.table[first..end].fill(entry);
+            }
         }
         Ok(())
     }
@@ -227,6 +302,45 @@ impl GridBuilder {
         self.grid
     }
 
+    fn index(&self, brick: UVec3) -> Result<usize, VolumeError> {
+        self.grid.table_index(brick.as_ivec3()).ok_or_else(|| {
+            let found = format!("brick {brick}");
+            let allowed = format!("below {}", self.grid.bricks);
+            VolumeError::invalid("brick", found, allowed)
+        })
+    }
+
+    /// The entry of the brick that is `value` throughout.
+    fn uniform_entry(&mut self, value: f32) -> Result<u32, VolumeError> {
+        if value == 0.0 {
+            return Ok(EMPTY);
+        }
+        if let Some(slot) = self.uniform.get(&value.to_bits()) {
+            return Ok(*slot);
+        }
+        let slot = self.push(&[value; BRICK_VOXELS])?;
+        self.uniform.insert(value.to_bits(), slot);
+        Ok(slot)
+    }
+
+    fn is_shared(&self, slot: u32) -> bool {
+        let first = self.grid.values[slot as usize][0];
+        self.uniform.get(&first.to_bits()) == Some(&slot)
+    }
+
+    fn push(&mut self, brick: &Brick) -> Result<u32, VolumeError> {
+        self.check(self.grid.bytes() + size_of::<Brick>() as u64)?;
+        let held = self.grid.values.len();
+        if held == self.grid.values.capacity() {
+            // Growth by halves, and never past the limit.
+            let left = self.limits.grid_bytes - self.grid.bytes();
+            let more = (held / 2 + 64).min(left as usize / size_of::<Brick>());
+            self.grid.values.reserve_exact(more.max(1));
+        }
+        self.grid.values.push(*brick);
+        Ok(held as u32)
+    }
+
     fn clean(&mut self, value: f32) -> f32 {
         if !value.is_finite() {
             self.grid.report.non_finite += 1;
@@ -241,13 +355,86 @@ impl GridBuilder {
     }
 
     fn check(&self, bytes: u64) -> Result<(), VolumeError> {
-        if bytes > self.limits.grid_bytes {
-            return Err(VolumeError::Limit {
-                what: "bytes of voxels",
-                found: bytes,
-                limit: self.limits.grid_bytes,
-            });
-        }
-        Ok(())
+        VolumeError::within("bytes of voxels", bytes, self.limits.grid_bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn builder() -> GridBuilder {
+        GridBuilder::new([20, 16, 16], &VolumeLimits::default()).unwrap()
+    }
+
+    fn finished(builder: GridBuilder) -> Grid {
+        builder.finish("", DAffine3::IDENTITY, [DVec3::ZERO; 2])
+    }
+
+    #[test]
+    fn bricks_of_one_value_are_stored_once() {
+        let mut builder = builder();
+        builder
+            .set_uniform_bricks(UVec3::ZERO, UVec3::new(2, 2, 1), 3.0)
+            .unwrap();
+        builder
+            .set_brick(UVec3::new(1, 1, 1), &[3.0; BRICK_VOXELS])
+            .unwrap();
+        // A brick across the lattice's edge is not of one value: beyond the edge it is 0.
+        builder
+            .set_brick(UVec3::new(2, 0, 0), &[3.0; BRICK_VOXELS])
+            .unwrap();
+        let grid = finished(builder);
+        assert_eq!(grid.stored_bricks(), 2);
+        assert_eq!(grid.brick_slot(IVec3::ZERO), grid.brick_slot(IVec3::ONE));
+        assert_eq!(grid.brick_slot(IVec3::new(0, 0, 1)), None);
+        assert_eq!(grid.voxel(IVec3::new(19, 0, 0)), 3.0);
+        assert_eq!(grid.stored()[1][4], 0.0);
+    }
+
+    #[test]
+    fn setting_a_brick_anew_leaves_those_alone_that_shared_it() {
+        let mut builder = builder();
+        builder
+            .set_uniform_bricks(UVec3::ZERO, UVec3::new(2, 1, 1), 3.0)
+            .unwrap();
+        let mut values = [3.0; BRICK_VOXELS];
+        values[1] = 4.0;
+        builder.set_brick(UVec3::ZERO, &values).unwrap();
+        builder.set_brick(UVec3::ZERO, &values).unwrap();
+        builder
+            .set_brick(UVec3::new(1, 0, 0), &[0.0; BRICK_VOXELS])
+            .unwrap();
+        let grid = finished(builder);
+        assert_eq!(grid.voxel(IVec3::X), 4.0);
+        assert_eq!(grid.brick(IVec3::X), None);
+        assert_eq!(grid.stored_bricks(), 2);
+    }
+
+    #[test]
+    fn voxels_of_tiles_are_counted_where_they_are_mended() {
+        let mut builder = builder();
+        let two = UVec3::new(2, 1, 1);
+        builder.set_uniform_bricks(UVec3::ZERO, two, -1.0).unwrap();
+        builder
+            .set_uniform_bricks(UVec3::ZERO, two, f32::NAN)
+            .unwrap();
+        let grid = finished(builder);
+        assert_eq!(grid.report.negative, 1024);
+        assert_eq!(grid.report.non_finite, 1024);
+        assert_eq!(grid.stored_bricks(), 0);
+    }
+
+    #[test]
+    fn tiles_beyond_the_whole_bricks_are_refused() {
+        let mut builder = builder();
+        let error = builder.set_uniform_bricks(UVec3::ZERO, UVec3::new(3, 1, 1), 1.0);
+        assert!(matches!(error, Err(VolumeError::Invalid { .. })));
+    }
+
+    #[test]
+    fn sides_beyond_single_precision_are_refused() {
+        let error = GridBuilder::new([1 << 24 | 1, 1, 1], &VolumeLimits::default());
+        assert!(matches!(error, Err(VolumeError::Limit { .. })));
     }
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use tyndall_scene::{Geometry, SharedGeometry};
 use wgpu::util::DeviceExt as _;
 
-use super::{GpuBvh, TextureArrays, materials};
+use super::{GpuBvh, GpuTriangles, TextureArrays, TextureKind, materials};
 use crate::device::Device;
 use crate::error::RenderError;
 use crate::programs::Bindings;
@@ -62,10 +62,14 @@ pub(crate) struct GpuGeometry {
     /// Order of `source.instances` in the instance buffer.
     pub instance_order: Vec<usize>,
     pub materials: wgpu::Buffer,
+    /// Base colour and emission.
     pub textures: Option<TextureArrays>,
+    /// Metallic-roughness and normal maps: only the reference reads them.
+    pub data_textures: Option<TextureArrays>,
     /// Point that BVH coordinates are relative to: the middle of the surfaces.
     pub anchor: DVec3,
     bvh: OnceLock<GpuBvh>,
+    triangles: OnceLock<GpuTriangles>,
 }
 
 impl GpuGeometry {
@@ -109,8 +113,10 @@ impl GpuGeometry {
         };
         instance_order.sort_by_key(key);
         let draws = group_draws(source, &instance_order, &ranges);
-        let textures = TextureArrays::upload(device, source)?;
-        let materials = materials::upload(device, source, textures.as_ref());
+        let textures = TextureArrays::upload(device, source, TextureKind::Color)?;
+        let data_textures = TextureArrays::upload(device, source, TextureKind::Data)?;
+        let materials =
+            materials::upload(device, source, textures.as_ref(), data_textures.as_ref());
         Ok(Self {
             vertices: buffer(
                 device,
@@ -128,8 +134,10 @@ impl GpuGeometry {
             instance_order,
             materials,
             textures,
+            data_textures,
             anchor,
             bvh: OnceLock::new(),
+            triangles: OnceLock::new(),
             source: source.clone(),
         })
     }
@@ -143,10 +151,35 @@ impl GpuGeometry {
         Ok(())
     }
 
+    /// Uploads what paths ask about triangles on the first call; builds the BVH, too.
+    pub fn need_triangles(&self, device: &Device) -> Result<(), RenderError> {
+        self.need_bvh(device)?;
+        if let Some(bvh) = self.bvh.get()
+            && self.triangles.get().is_none()
+        {
+            let uploaded = GpuTriangles::upload(device, &self.source, bvh)?;
+            self.triangles.get_or_init(|| uploaded);
+        }
+        Ok(())
+    }
+
+    /// Emissive triangles, once they are uploaded.
+    pub fn emitter_count(&self) -> u32 {
+        self.triangles.get().map_or(0, |t| t.emitter_count)
+    }
+
     /// Adds what passes read of it; the BVH only once it is built.
     pub fn bind<'a>(&'a self, bindings: &mut Bindings<'a>) {
         bindings.buffer("materials", &self.materials);
-        if let Some(textures) = &self.textures {
+        // A geometry with textures of one kind only binds them as both: nothing is sampled.
+        if let Some(data) = self.data_textures.as_ref().or(self.textures.as_ref()) {
+            bindings
+                .texture("data_array_0", data.view(0))
+                .texture("data_array_1", data.view(1))
+                .texture("data_array_2", data.view(2))
+                .texture("data_array_3", data.view(3));
+        }
+        if let Some(textures) = self.textures.as_ref().or(self.data_textures.as_ref()) {
             bindings
                 .texture("texture_array_0", textures.view(0))
                 .texture("texture_array_1", textures.view(1))
@@ -158,6 +191,11 @@ impl GpuGeometry {
             bindings
                 .buffer("bvh_nodes", &bvh.nodes)
                 .buffer("bvh_vertices", &bvh.vertices);
+        }
+        if let Some(triangles) = self.triangles.get() {
+            bindings
+                .buffer("triangle_surfaces", &triangles.surfaces)
+                .buffer("emitters", &triangles.emitters);
         }
     }
 }

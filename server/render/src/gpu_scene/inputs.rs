@@ -1,14 +1,18 @@
 //! The buffers of one view that hold camera-relative values, refilled when what they hold changes.
 
 use glam::{DVec3, DVec4};
-use tyndall_scene::{Camera, Light, Scene, SceneFacts, ShadowMode};
+use tyndall_scene::{Camera, Light, MediumOrder, Scene, SceneFacts, ShadowMode};
 use tyndall_shaders::types;
 
 use super::{GpuGeometry, Origin, instance_values, light_values, medium_values};
 use crate::device::Device;
 use crate::readback::statistics_scale;
+use crate::slices::Slice;
 use crate::techniques::shadow_maps::{ShadowMaps, columns};
 use crate::tonemap::exposure_scale;
+
+/// Segments after which a path is given up, and counted as truncated.
+const MAX_EVENTS: u32 = 1 << 20;
 
 /// Buffers of one view.
 #[derive(Debug)]
@@ -18,6 +22,7 @@ pub(crate) struct Inputs {
     pub lights: wgpu::Buffer,
     pub media: wgpu::Buffer,
     pub statistics: wgpu::Buffer,
+    pub slice: wgpu::Buffer,
 }
 
 /// What of a frame changes with every sample.
@@ -61,6 +66,7 @@ impl Inputs {
                 size_of::<types::Statistics>(),
                 wgpu::BufferUsages::COPY_SRC,
             ),
+            slice: buffer("slice", size_of::<types::Slice>(), none),
         }
     }
 
@@ -109,6 +115,14 @@ impl Inputs {
         shadows.upload(device, origin);
     }
 
+    /// Uploads which part of the picture the reference works on.
+    pub fn upload_slice(&self, device: &Device, slice: Slice) {
+        let value = slice.values();
+        device
+            .queue
+            .write_buffer(&self.slice, 0, bytemuck::bytes_of(&value));
+    }
+
     /// Uploads the frame's own values.
     pub fn upload_frame(
         &self,
@@ -135,6 +149,8 @@ pub(crate) fn frame_values(
     sample: SampleValues,
 ) -> types::Frame {
     let camera = &scene.camera;
+    let paths = &scene.render.reference;
+    let limit = |most: Option<u32>| most.unwrap_or(1 << 30);
     let (right, up, forward) = basis(camera);
     let tan_y = (f64::from(camera.vertical_fov) / 2.0).tan();
     let tan_x = tan_y * f64::from(width) / f64::from(height);
@@ -164,12 +180,24 @@ pub(crate) fn frame_values(
         pixel_offset: sample.pixel_offset,
         sample_index: sample.sample_index,
         seed: (scene.render.seed ^ (scene.render.seed >> 32)) as u32,
-        background: [0.0; 3],
+        background: scene
+            .environment
+            .as_ref()
+            .map_or([0.0; 3], |environment| environment.radiance),
         march_steps: sample.march_steps,
         march_jitter: scene.render.single_scattering.jitter.into(),
         exposure_scale: exposure_scale(camera.exposure_ev),
         statistics_scale: statistics_scale(width, height),
         accumulated: sample.sample_index + 1,
+        max_scatterings: limit(paths.max_scatterings),
+        max_surface_scatterings: limit(paths.max_surface_scatterings),
+        medium_order: match paths.medium_order {
+            MediumOrder::All => types::ORDER_ALL,
+            MediumOrder::None => types::ORDER_NONE,
+            MediumOrder::Single => types::ORDER_SINGLE,
+            MediumOrder::Multiple => types::ORDER_MULTIPLE,
+        },
+        max_events: MAX_EVENTS,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Materials as the shaders read them.
 
-use tyndall_scene::{Geometry, TextureRef, Wrap};
+use tyndall_scene::{Geometry, Material, TextureRef, Wrap};
 use tyndall_shaders::types::{self, NO_TEXTURE, TextureSlot};
 
 use super::TextureArrays;
@@ -11,6 +11,7 @@ pub(super) fn upload(
     device: &Device,
     source: &Geometry,
     textures: Option<&TextureArrays>,
+    data: Option<&TextureArrays>,
 ) -> wgpu::Buffer {
     let values: Vec<types::Material> = source
         .materials
@@ -22,6 +23,16 @@ pub(super) fn upload(
             double_sided: material.double_sided.into(),
             base_color_slot: slot(source, textures, material.base_color_texture.as_ref()),
             emission_slot: slot(source, textures, material.emission_texture.as_ref()),
+            metallic: material.metallic,
+            roughness: material.roughness,
+            normal_scale: material.normal_scale,
+            diffuse_only: is_diffuse(material).into(),
+            metallic_roughness_slot: slot(
+                source,
+                data,
+                material.metallic_roughness_texture.as_ref(),
+            ),
+            normal_slot: slot(source, data, material.normal_texture.as_ref()),
             ..Default::default()
         })
         .collect();
@@ -31,6 +42,13 @@ pub(super) fn upload(
         bytemuck::cast_slice(&values),
         wgpu::BufferUsages::STORAGE,
     )
+}
+
+/// Whether a material is an ideal diffuser: neither metallic nor glossy anywhere.
+fn is_diffuse(material: &Material) -> bool {
+    material.metallic <= 0.0
+        && material.roughness >= 1.0
+        && material.metallic_roughness_texture.is_none()
 }
 
 fn slot(

@@ -6,14 +6,16 @@ mod geometry;
 mod inputs;
 mod materials;
 mod textures;
+mod triangles;
 mod values;
 
 pub(crate) use bvh::GpuBvh;
 #[cfg(feature = "probe")]
-pub(crate) use bvh::bvh_bytes;
+pub(crate) use bvh::bvh_parts;
 pub(crate) use geometry::{Draw, DrawClass, GpuGeometry, VERTEX_LAYOUT};
 #[cfg(feature = "probe")]
 pub(crate) use inputs::frame_values;
 pub(crate) use inputs::{Inputs, SampleValues};
-pub(crate) use textures::TextureArrays;
+pub(crate) use textures::{TextureArrays, TextureKind};
+pub(crate) use triangles::GpuTriangles;
 pub(crate) use values::{Origin, instance_values, light_values, medium_values};

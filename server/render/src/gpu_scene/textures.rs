@@ -1,9 +1,9 @@
 //! Textures as layers of arrays, one array a size class: no driver feature beyond the core is needed.
 //!
-//! Only what some pass reads is uploaded: base colour and emission. A texture that is not square or
-//! not a power of two is resampled bilinearly in linear light to the class that holds it.
+//! Only what some pass reads is uploaded, colours and data apart. A texture that is not square or not a
+//! power of two is resampled bilinearly in linear light to the class that holds it.
 
-use tyndall_scene::{Geometry, Texture};
+use tyndall_scene::{Geometry, Material, Texture, TextureRef};
 
 use super::geometry::check;
 use crate::device::Device;
@@ -13,6 +13,45 @@ use crate::error::RenderError;
 const CLASSES: [u32; 4] = [64, 256, 1024, 2048];
 /// Bytes of all arrays together that are allowed: 2 GiB.
 const MAX_BYTES: u64 = 2 << 30;
+
+/// What textures hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum TextureKind {
+    /// Base colour and emission, sRGB-encoded.
+    Color,
+    /// Roughness, metalness and normals, as they are.
+    Data,
+}
+
+impl TextureKind {
+    fn of(self, material: &Material) -> [Option<&TextureRef>; 2] {
+        match self {
+            Self::Color => [
+                material.base_color_texture.as_ref(),
+                material.emission_texture.as_ref(),
+            ],
+            Self::Data => [
+                material.metallic_roughness_texture.as_ref(),
+                material.normal_texture.as_ref(),
+            ],
+        }
+    }
+
+    fn format(self) -> wgpu::TextureFormat {
+        match self {
+            Self::Color => wgpu::TextureFormat::Rgba8UnormSrgb,
+            Self::Data => wgpu::TextureFormat::Rgba8Unorm,
+        }
+    }
+
+    /// Value of every byte.
+    fn decode_table(self) -> [f32; 256] {
+        match self {
+            Self::Color => srgb_table(),
+            Self::Data => std::array::from_fn(|i| i as f32 / 255.0),
+        }
+    }
+}
 
 /// Uploaded texture arrays.
 #[derive(Debug)]
@@ -25,13 +64,17 @@ pub(crate) struct TextureArrays {
 }
 
 impl TextureArrays {
-    /// Uploads what the materials' base colours and emissions use; `None` without any.
-    pub fn upload(device: &Device, source: &Geometry) -> Result<Option<Self>, RenderError> {
+    /// Uploads what the materials use of one kind; `None` without any.
+    pub fn upload(
+        device: &Device,
+        source: &Geometry,
+        kind: TextureKind,
+    ) -> Result<Option<Self>, RenderError> {
         let mut used: Vec<usize> = source
             .materials
             .iter()
-            .flat_map(|m| [&m.base_color_texture, &m.emission_texture])
-            .filter_map(|reference| reference.as_ref().map(|r| r.texture))
+            .flat_map(|material| kind.of(material))
+            .filter_map(|reference| reference.map(|r| r.texture))
             .collect();
         used.sort_unstable();
         used.dedup();
@@ -61,7 +104,7 @@ impl TextureArrays {
             for (layer, index) in members.iter().enumerate() {
                 places[*index] = Some((views.len() as u32, layer as u32));
             }
-            views.push(upload_array(device, source, &members, *side));
+            views.push(upload_array(device, source, &members, *side, kind));
         }
         let sampler = device.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("geometry.texture_sampler"),
@@ -104,6 +147,7 @@ fn upload_array(
     source: &Geometry,
     members: &[usize],
     side: u32,
+    kind: TextureKind,
 ) -> wgpu::TextureView {
     let levels = side.ilog2() + 1;
     let texture = device.device.create_texture(&wgpu::TextureDescriptor {
@@ -116,11 +160,11 @@ fn upload_array(
         mip_level_count: levels,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8UnormSrgb,
+        format: kind.format(),
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    let decode = decode_table();
+    let decode = kind.decode_table();
     for (layer, index) in members.iter().enumerate() {
         let mut level_pixels = resample(&source.textures[*index], side, &decode);
         let mut level_side = side;
@@ -192,7 +236,7 @@ fn write_level(
 }
 
 /// sRGB decoding of every byte (IEC 61966-2-1).
-fn decode_table() -> [f32; 256] {
+fn srgb_table() -> [f32; 256] {
     std::array::from_fn(|i| {
         let x = i as f32 / 255.0;
         if x <= 0.04045 {

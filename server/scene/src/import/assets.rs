@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::DVec3;
-use tyndall_volume::{Pattern, Procedural, VolumeError, VolumeLimits};
+use tyndall_volume::{Pattern, Procedural, ReadOptions, VolumeError, VolumeLimits, read};
 
+use super::environment;
 use super::transform::affine;
-use super::{environment, volume};
 use crate::build::{aabb, unit};
 use crate::description::media::{GridMedium, ProceduralMedium, ProceduralPattern};
 use crate::description::{LightDescription, MediumDescription, SceneDescription, Transform};
@@ -221,7 +221,14 @@ impl Loader<'_> {
             Key::File(file, name) => {
                 let path = format!("{path}.path");
                 let real = self.folder.locate(&path, file)?;
-                let grid = volume::read_grid(&real, name.as_deref(), &limits)
+                // Raw voxels are described by a file beside them: fog.raw.json or fog.json.
+                for companion in [
+                    real.with_added_extension("json"),
+                    real.with_extension("json"),
+                ] {
+                    self.folder.check_companion(&path, &companion)?;
+                }
+                let grid = read(&real, &ReadOptions { grid: name.clone() }, &limits)
                     .map_err(|error| self.refused(error, &path, file, limits.grid_bytes))?;
                 let report = grid.report;
                 if report.non_finite + report.negative > 0 {

@@ -11,8 +11,6 @@ mod obj;
 mod shapes;
 mod surface;
 mod transform;
-mod volume;
-mod volume_stand_in;
 
 use std::collections::HashMap;
 

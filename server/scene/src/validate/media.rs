@@ -1,7 +1,7 @@
 //! Rules of media.
 
 use glam::{DAffine3, DVec3};
-use tyndall_volume::{Grid, Procedural};
+use tyndall_volume::{ENDINGS, Grid, Procedural};
 
 use super::rules;
 use crate::description::MediumDescription;
@@ -21,8 +21,6 @@ const DENSITY: f64 = 1e6;
 const FALLOFF: f64 = 1e3;
 /// Largest exponent of height fog inside its bounds or at the camera; e⁶⁰ · σ stays finite.
 const EXPONENT: f64 = 60.0;
-/// Endings of density grids.
-const GRIDS: &[&str] = &["vdb", "nvdb", "vol", "npy", "npz", "raw"];
 
 pub(super) fn check(medium: &MediumDescription, path: &JsonPath) -> Result<(), SceneError> {
     coefficients(&medium.coefficients(), path)?;
@@ -62,7 +60,7 @@ pub(super) fn check(medium: &MediumDescription, path: &JsonPath) -> Result<(), S
             rules::range(&path.field("radius"), medium.radius, 1e-6, 1e6)
         }
         MediumDescription::Grid(medium) => {
-            rules::file(&path.field("path"), &medium.path, GRIDS)?;
+            rules::file(&path.field("path"), &medium.path, &ENDINGS)?;
             if let Some(name) = &medium.grid {
                 rules::name(&path.field("grid"), name)?;
             }

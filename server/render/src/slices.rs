@@ -1,0 +1,174 @@
+//! Cuts the reference's work into dispatches that keep to a time budget.
+//!
+//! A sweep gives every pixel the same number of new samples. Where one sample of all pixels takes
+//! longer than the budget, a sweep is spread over several frames, some rows each. Results do not depend
+//! on the cutting: a pixel's samples are added one after the other wherever the cuts are.
+
+use std::time::Duration;
+
+use tyndall_shaders::types;
+
+/// Most samples of one sweep: a changed scene should not wait for more.
+const MAX_BATCH: u32 = 64;
+/// Pixel samples of the very first dispatch, before anything is measured.
+const FIRST_UNITS: f64 = 16_384.0;
+/// A measured cost may be that much too low for the next dispatch.
+const GROWTH: f64 = 4.0;
+
+/// Where the present sweep stands.
+#[derive(Debug)]
+pub(crate) struct Slices {
+    budget: Duration,
+    /// Time a pixel sample takes. Unit: s.
+    cost: Option<f64>,
+    /// Pixel samples of the last dispatch that was measured.
+    last_units: f64,
+    next_row: u32,
+    batch: u32,
+}
+
+/// A dispatch's part of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Slice {
+    pub first_row: u32,
+    pub rows: u32,
+    pub first_sample: u32,
+    pub samples: u32,
+    /// Whether it is the last of its sweep.
+    pub completes: bool,
+}
+
+impl Slice {
+    /// Pixel samples in it.
+    pub fn units(self, width: u32) -> u64 {
+        u64::from(width) * u64::from(self.rows) * u64::from(self.samples)
+    }
+
+    pub fn values(self) -> types::Slice {
+        types::Slice {
+            first_row: self.first_row,
+            rows: self.rows,
+            first_sample: self.first_sample,
+            samples: self.samples,
+        }
+    }
+}
+
+impl Slices {
+    pub fn new(budget: Duration) -> Self {
+        Self {
+            budget,
+            cost: None,
+            last_units: FIRST_UNITS / GROWTH,
+            next_row: 0,
+            batch: 1,
+        }
+    }
+
+    /// Changes the longest dispatch.
+    pub fn set_budget(&mut self, budget: Duration) {
+        self.budget = budget;
+    }
+
+    /// Forgets the sweep, not the cost.
+    pub fn restart(&mut self) {
+        self.next_row = 0;
+    }
+
+    /// The next part of a picture that has `done` samples, with at most `wanted` in the end.
+    pub fn next(&self, (width, height): (u32, u32), done: u32, wanted: u32) -> Slice {
+        let affordable = self.cost.map_or(FIRST_UNITS, |cost| {
+            self.budget.as_secs_f64() / cost.max(1e-12)
+        });
+        let units = affordable.min(self.last_units * GROWTH);
+        let (first_row, samples) = if self.next_row == 0 {
+            let whole = f64::from(width) * f64::from(height);
+            let left = wanted.saturating_sub(done).max(1);
+            (0, ((units / whole) as u32).clamp(1, MAX_BATCH.min(left)))
+        } else {
+            (self.next_row.min(height - 1), self.batch)
+        };
+        let per_row = f64::from(width) * f64::from(samples);
+        let rows = ((units / per_row) as u32).clamp(1, height - first_row);
+        // A remnant of a few rows costs a frame of its own: take it along.
+        let rest = height - first_row - rows;
+        let rows = if rest > 0 && rest * 4 <= rows {
+            rows + rest
+        } else {
+            rows
+        };
+        Slice {
+            first_row,
+            rows,
+            first_sample: done,
+            samples,
+            completes: first_row + rows == height,
+        }
+    }
+
+    /// Notes that `slice` was submitted.
+    pub fn advance(&mut self, slice: Slice) {
+        self.batch = slice.samples;
+        self.next_row = if slice.completes {
+            0
+        } else {
+            slice.first_row + slice.rows
+        };
+    }
+
+    /// Learns what a dispatch of `units` pixel samples took.
+    pub fn measured(&mut self, units: u64, seconds: f64) {
+        if units > 0 && seconds > 0.0 {
+            self.cost = Some(seconds / units as f64);
+            self.last_units = units as f64;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: (u32, u32) = (1920, 1080);
+
+    /// Runs sweeps at a true cost until `samples` are done; returns the dispatches' times.
+    fn run(slices: &mut Slices, cost: f64, samples: u32) -> Vec<f64> {
+        let mut done = 0;
+        let mut times = Vec::new();
+        let mut next_row = 0;
+        while done < samples {
+            let slice = slices.next(SIZE, done, samples);
+            assert_eq!(slice.first_row, next_row, "rows follow one another");
+            assert_eq!(slice.first_sample, done);
+            next_row += slice.rows;
+            assert_eq!(slice.completes, next_row == SIZE.1);
+            slices.advance(slice);
+            if slice.completes {
+                next_row = 0;
+                done += slice.samples;
+            }
+            times.push(slice.units(SIZE.0) as f64 * cost);
+            slices.measured(slice.units(SIZE.0), times[times.len() - 1]);
+        }
+        assert_eq!(done, samples, "never more samples than wanted");
+        times
+    }
+
+    #[test]
+    fn dispatches_keep_to_the_budget_whether_samples_are_cheap_or_dear() {
+        for cost in [1e-9, 1e-7, 1e-5] {
+            let budget = Duration::from_millis(8);
+            let mut slices = Slices::new(budget);
+            let times = run(&mut slices, cost, 20);
+            let row = f64::from(SIZE.0) * cost;
+            let most = times.iter().skip(1).copied().fold(0.0, f64::max);
+            assert!(most <= budget.as_secs_f64() * 1.3 + row, "{cost}: {most}");
+        }
+    }
+
+    #[test]
+    fn cheap_samples_come_several_at_once() {
+        let mut slices = Slices::new(Duration::from_millis(8));
+        assert!(run(&mut slices, 1e-10, 256).len() < 40);
+    }
+}

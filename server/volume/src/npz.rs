@@ -1,0 +1,74 @@
+//! Several arrays of numpy in one zip file (`.npz`).
+
+use std::io::{Cursor, Read, Seek};
+
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+use crate::npy;
+use crate::select::{Candidate, choose};
+use crate::{Grid, ReadOptions, VolumeError, VolumeLimits};
+
+/// Most arrays that a file may hold.
+const MAX_ARRAYS: usize = 4096;
+
+/// Reads an array of a file that is held whole, as [`npy::read_bytes`] does.
+///
+/// The array is `options.grid`, else the one named "density", else the only one.
+///
+/// # Errors
+/// As [`npy::read_bytes`]; [`VolumeError::Invalid`] too if no array has the name, or none was named
+/// where there are several.
+pub fn read_bytes(
+    bytes: &[u8],
+    options: &ReadOptions,
+    limits: &VolumeLimits,
+) -> Result<Grid, VolumeError> {
+    VolumeError::within("bytes of the file", bytes.len() as u64, limits.file_bytes)?;
+    read_from(Cursor::new(bytes), options, limits)
+}
+
+/// Reads an array of a file.
+pub(crate) fn read_from(
+    source: impl Read + Seek,
+    options: &ReadOptions,
+    limits: &VolumeLimits,
+) -> Result<Grid, VolumeError> {
+    let mut archive = ZipArchive::new(source).map_err(broken)?;
+    if archive.len() > MAX_ARRAYS {
+        let found = format!("{}", archive.len());
+        return Err(VolumeError::invalid(
+            "arrays",
+            found,
+            format!("at most {MAX_ARRAYS}"),
+        ));
+    }
+    let candidates: Vec<Candidate> = archive
+        .file_names()
+        .map(|name| {
+            let name = name.strip_suffix(".npy").unwrap_or(name);
+            Candidate {
+                name: name.to_owned(),
+                address: name.to_owned(),
+                obstacle: None,
+            }
+        })
+        .collect();
+    let only = options.grid.is_none() && !candidates.iter().any(|one| one.name == "density");
+    if only && candidates.len() > 1 {
+        let named = choose(&candidates, Some("density"));
+        return named.and(Err(VolumeError::invalid("grid", "none named", "a name")));
+    }
+    let index = choose(&candidates, options.grid.as_deref())?;
+    let mut file = archive.by_index(index).map_err(broken)?;
+    let length = file.size();
+    npy::read_from(&mut file, Some(length), &candidates[index].name, limits)
+}
+
+fn broken(error: ZipError) -> VolumeError {
+    match error {
+        ZipError::Io(error) => error.into(),
+        ZipError::UnsupportedArchive(what) => VolumeError::unsupported("archive", what),
+        other => VolumeError::invalid("archive", other.to_string(), "a zip file of arrays"),
+    }
+}
