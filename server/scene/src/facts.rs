@@ -35,6 +35,8 @@ pub struct SceneFacts {
     pub directional_lights: usize,
     /// Whether radiance arrives from infinity.
     pub environment: bool,
+    /// Whether that radiance comes from a map.
+    pub environment_map: bool,
     /// Media with a non-zero coefficient.
     pub media: usize,
     /// Media of those whose density is a grid.
@@ -112,6 +114,9 @@ pub fn facts(scene: &Scene) -> SceneFacts {
             .environment
             .as_ref()
             .is_some_and(|environment| environment.radiance != [0.0; 3]),
+        environment_map: scene.environment.as_ref().is_some_and(|environment| {
+            environment.radiance != [0.0; 3] && environment.map.is_some()
+        }),
         media: media.len(),
         grids: media
             .iter()

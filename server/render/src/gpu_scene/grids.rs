@@ -57,8 +57,9 @@ impl GpuGrids {
                 bytes: limit,
                 ..AtlasLimits::default()
             };
-            let atlas = BrickAtlas::new(source, &limits)
-                .map_err(|error| RenderError::Refused(format!("grid {:?}: {error}", source.name)))?;
+            let atlas = BrickAtlas::new(source, &limits).map_err(|error| {
+                RenderError::Refused(format!("grid {:?}: {error}", source.name))
+            })?;
             let place = types::Grid {
                 clip_min: atlas.clip[0].as_vec3().to_array(),
                 clip_max: atlas.clip[1].as_vec3().to_array(),
@@ -83,9 +84,8 @@ impl GpuGrids {
             check("bytes of brick tables", tables.len() as u64 * 4, limit)?;
             check("bytes of majorants", majorants.len() as u64 * 8, limit)?;
         }
-        let storage = |label: &str, bytes: &[u8]| {
-            buffer(device, label, bytes, wgpu::BufferUsages::STORAGE)
-        };
+        let storage =
+            |label: &str, bytes: &[u8]| buffer(device, label, bytes, wgpu::BufferUsages::STORAGE);
         Ok(Some(Self {
             tables: storage("grids.tables", bytemuck::cast_slice(&tables)),
             values: storage("grids.values", bytemuck::cast_slice(&values)),
