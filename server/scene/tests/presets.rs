@@ -78,7 +78,7 @@ fn every_camera_stands_in_fog_or_looks_at_it_and_sees_a_light() {
                     .transform_point3(scene.camera.target);
                 let along = world_from_lattice
                     .inverse()
-                    .transform_vector3(view.normalize());
+                    .transform_vector3(view / view.length());
                 let most = (-20..=20).map(|i| grid.sample(target + f64::from(i) * 0.5 * along));
                 assert!(most.fold(0.0, f64::max) > 0.1, "{}", preset.name);
                 let top = grid.clip[1]
