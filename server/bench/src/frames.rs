@@ -186,7 +186,10 @@ impl FrameBench {
 }
 
 /// Renders one frame and waits for it.
-fn next_frame(renderer: &mut Renderer, view: &mut View) -> Result<FinishedFrame, RenderError> {
+pub(crate) fn next_frame(
+    renderer: &mut Renderer,
+    view: &mut View,
+) -> Result<FinishedFrame, RenderError> {
     if renderer.render(view, 0)? != RenderOutcome::Submitted {
         return Err(RenderError::Refused(
             "the view had nothing to render".into(),

@@ -1,5 +1,5 @@
 //! FLIP against the authors' program: images and errors made by `make_fixtures.py`
-//! (flip-evaluator 1.7 of PyPI).
+//! (flip-evaluator 1.7 of `PyPI`).
 
 #![allow(
     clippy::unwrap_used,

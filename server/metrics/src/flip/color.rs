@@ -80,7 +80,9 @@ fn kernels(sensitivity: Sensitivity, radius: usize, density: f32) -> Vec<(f32, K
         .collect();
     for (weight, kernel) in &mut parts {
         let sum: f32 = kernel.iter().sum();
-        kernel.iter_mut().for_each(|value| *value /= sum);
+        for value in kernel.iter_mut() {
+            *value /= sum;
+        }
         // The kernel is used along both axes.
         *weight *= sum * sum;
     }

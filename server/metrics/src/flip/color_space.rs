@@ -1,22 +1,10 @@
-//! Colour spaces of FLIP: linear RGB, CIE XYZ, YCxCz (opponent, linear) and L\*a\*b\*.
+//! Colour spaces of FLIP: linear RGB, CIE XYZ, `YCxCz` (opponent, linear) and L\*a\*b\*.
 
-/// XYZ from linear sRGB.
+/// XYZ from linear sRGB: the papers' rational numbers, rounded.
 const XYZ_FROM_RGB: [[f32; 3]; 3] = [
-    [
-        10_135_552.0 / 24_577_794.0,
-        8_788_810.0 / 24_577_794.0,
-        4_435_075.0 / 24_577_794.0,
-    ],
-    [
-        2_613_072.0 / 12_288_897.0,
-        8_788_810.0 / 12_288_897.0,
-        887_015.0 / 12_288_897.0,
-    ],
-    [
-        1_425_312.0 / 73_733_382.0,
-        8_788_810.0 / 73_733_382.0,
-        70_074_185.0 / 73_733_382.0,
-    ],
+    [0.412_386_57, 0.357_591_48, 0.180_450_48],
+    [0.212_636_83, 0.715_182_96, 0.072_180_2],
+    [0.019_330_62, 0.119_197_16, 0.950_372_6],
 ];
 
 /// Its inverse.
@@ -51,7 +39,7 @@ pub(super) fn opponent(pixels: &[[f32; 3]]) -> [Vec<f32>; 3] {
     planes
 }
 
-/// Linear RGB, clamped to [0, 1], from YCxCz.
+/// Linear RGB, clamped to [0, 1], from `YCxCz`.
 pub(super) fn rgb_from_opponent([luminance, cx, cz]: [f32; 3]) -> [f32; 3] {
     let y = (luminance + 16.0) / 116.0;
     let xyz = [

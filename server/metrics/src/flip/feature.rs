@@ -7,7 +7,7 @@ const FEATURE_WIDTH: f32 = 0.082;
 /// Expands small differences.
 const EXPONENT: f32 = 0.5;
 
-/// Feature errors of luminance planes (Y of YCxCz). Range: [0, 1].
+/// Feature errors of luminance planes (Y of `YCxCz`). Range: [0, 1].
 pub(super) fn difference(
     image: &[f32],
     reference: &[f32],
@@ -42,7 +42,9 @@ impl Features {
         let gaussian = |x: f32| (-0.5 * (x / deviation).powi(2)).exp();
         let mut smooth = kernel(radius, gaussian);
         let sum: f32 = smooth.iter().sum();
-        smooth.iter_mut().for_each(|value| *value /= sum);
+        for value in &mut smooth {
+            *value /= sum;
+        }
         let slope = signed(kernel(radius, |x| -x * gaussian(x)));
         let bend = signed(kernel(radius, |x| {
             ((x / deviation).powi(2) - 1.0) * gaussian(x)

@@ -84,7 +84,7 @@ fn curve(value: f32) -> f32 {
 fn exposure_range(reference: &[[f32; 3]]) -> (f32, f32) {
     let mut luminance: Vec<f32> = reference
         .iter()
-        .map(|rgb| 0.212_639_01 * rgb[0] + 0.715_168_7 * rgb[1] + 0.072_192_32 * rgb[2])
+        .map(|rgb| 0.212_639 * rgb[0] + 0.715_168_7 * rgb[1] + 0.072_192_32 * rgb[2])
         .collect();
     luminance.sort_by(f32::total_cmp);
     let median = luminance[luminance.len() / 2].max(LEAST_LUMINANCE);
