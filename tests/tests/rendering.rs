@@ -9,6 +9,7 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
+use tyndall_metrics::relative_rmse_trim;
 use tyndall_render::{RenderError, RenderOutcome, approximations};
 use tyndall_scene::{ShadowMode, StopRule, presets};
 use tyndall_tests::gpu;
@@ -162,7 +163,7 @@ fn shadow_maps_agree_with_traced_shadows() {
         scene.render.shadows.mode = ShadowMode::Traced;
         let traced = gpu::render(&mut renderer, scene);
         let (a, b) = (gpu::mean_rgb(&mapped), gpu::mean_rgb(&traced));
-        let error = tyndall_bench::relative_rmse(&mapped.radiance, &traced.radiance);
+        let error = relative_rmse_trim(&gpu::image(&mapped), &gpu::image(&traced)).unwrap();
         println!(
             "{}: relRMSE_trim {error:.4}, means {a:?} {b:?}",
             preset.name
@@ -202,7 +203,7 @@ fn a_scene_a_thousand_kilometres_away_looks_the_same() {
         far.render.shadows.mode = mode;
         let near = gpu::render(&mut renderer, near);
         let far = gpu::render(&mut renderer, far);
-        let error = tyndall_bench::relative_rmse(&far.radiance, &near.radiance);
+        let error = relative_rmse_trim(&gpu::image(&far), &gpu::image(&near)).unwrap();
         assert!(error < 1e-3, "{mode:?}: relRMSE_trim {error}");
     }
 }

@@ -54,6 +54,12 @@ impl Renderer {
         self.device.summary()
     }
 
+    /// Memory allocated on the device, by its allocator's own report, if it makes one. Unit: byte.
+    pub fn device_bytes(&self) -> Option<u64> {
+        let report = self.device.device.generate_allocator_report()?;
+        Some(report.total_allocated_bytes)
+    }
+
     /// What the start-up self-test found.
     pub fn self_test(&self) -> SelfTest {
         self.device.self_test()
