@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use tyndall_metrics::Image;
-use tyndall_render::{Renderer, View};
+use tyndall_render::{Renderer, Still, View};
 use tyndall_scene::{Scene, StopRule};
 
 use crate::error::BenchError;
@@ -12,6 +12,8 @@ use crate::frames::next_frame;
 use crate::machine::cpu_seconds;
 use crate::statistics::Summary;
 
+/// Longest dispatch: throughput counts here, not how soon a frame shows.
+const SLICE_BUDGET: Duration = Duration::from_millis(500);
 /// Frames before timing starts: pipelines are built at their first use.
 const WARM_UP: u32 = 2;
 
@@ -53,6 +55,7 @@ pub(crate) fn shoot(
     // Another seed, so that the true one starts the mean anew.
     let seed = scene.render.seed;
     let mut view = renderer.create_view(with(seed ^ 1, WARM_UP), width, height)?;
+    view.set_slice_budget(SLICE_BUDGET);
     for _ in 0..WARM_UP {
         next_frame(renderer, &mut view)?;
     }
@@ -72,7 +75,7 @@ pub(crate) fn shoot(
     times.add(last, &still.frame);
     let cpu_seconds = cpu_seconds().zip(cpu).map(|(after, before)| after - before);
     Ok(Shot {
-        image: Image::from_rgba(width, height, &still.radiance)?,
+        image: image(width, height, &still)?,
         samples: still.frame.samples,
         seconds,
         cpu_seconds,
@@ -84,6 +87,15 @@ pub(crate) fn shoot(
             .collect(),
         non_finite: times.non_finite + still.non_finite,
         cut_short: still.frame.samples < samples,
+    })
+}
+
+/// With the variance of the mean, where the technique keeps it.
+fn image(width: u32, height: u32, still: &Still) -> Result<Image, BenchError> {
+    let image = Image::from_rgba(width, height, &still.radiance)?;
+    Ok(match &still.variance {
+        Some(variance) => image.with_variance(variance.clone())?,
+        None => image,
     })
 }
 

@@ -17,6 +17,10 @@ fn layers(still: &Still) -> Layers {
         height: still.frame.height,
         beauty: still.radiance.iter().map(|p| [p[0], p[1], p[2]]).collect(),
         transmittance: Some(still.radiance.iter().map(|p| p[3]).collect()),
-        ..Layers::default()
+        variance: still.variance.clone(),
+        samples: still.samples_per_pixel.clone(),
+        depth: still.depth.clone(),
+        normal: still.normal.clone(),
+        albedo: still.albedo.clone(),
     }
 }
