@@ -101,6 +101,8 @@ mirrors! {
         max_surface_scatterings: u32,
         medium_order: u32,
         max_events: u32,
+        environment_size: [u32; 2],
+        environment_turn: [f32; 2],
     }
 
     /// The part of the picture that one dispatch of the reference works on.

@@ -64,12 +64,14 @@ fn main() {
         }
         let (width, height) = (scene.render.width as usize, scene.render.height as usize);
         scene.render.stop = StopRule::Samples(1);
-        let Ok(mut view) =
-            renderer.create_view(Arc::new(scene.clone()), width as u32, height as u32)
-        else {
-            println!("{name}: refused");
-            continue;
-        };
+        let mut view =
+            match renderer.create_view(Arc::new(scene.clone()), width as u32, height as u32) {
+                Ok(view) => view,
+                Err(error) => {
+                    println!("{name}: {error}");
+                    continue;
+                }
+            };
         view.set_slice_budget(std::time::Duration::from_millis(20000));
         renderer.render_still(&mut view, |_| {}).unwrap();
         scene.render.seed = 7;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use tyndall_metrics::Image;
 use tyndall_render::{Device, DeviceOptions, Renderer, Still, probe};
 use tyndall_scene::{Loaded, Scene, SceneDescription};
 
@@ -47,6 +48,12 @@ pub fn render(renderer: &mut Renderer, scene: Scene) -> Still {
 pub fn mean_rgb(still: &Still) -> [f64; 3] {
     let n = still.radiance.len() as f64;
     std::array::from_fn(|c| still.radiance.iter().map(|p| f64::from(p[c])).sum::<f64>() / n)
+}
+
+/// The linear picture of a still, as measures take it.
+pub fn image(still: &Still) -> Image {
+    Image::from_rgba(still.frame.width, still.frame.height, &still.radiance)
+        .expect("a still has its pixels")
 }
 
 /// Runs a probe built for `medium_count` media and returns `count` vectors.

@@ -4,5 +4,5 @@ pub mod conventions;
 pub mod estimate;
 pub mod gpu;
 pub mod npz;
-pub mod pm_ref;
+pub use tyndall_bench::pm_ref;
 pub mod shared_folder;

@@ -134,3 +134,13 @@ fn light_shafts_full_agrees() {
 fn light_shafts_single_agrees() {
     agrees("light_shafts", "single", 64);
 }
+
+#[test]
+fn smoke_plume_full_agrees() {
+    agrees("smoke_plume", "full", 64);
+}
+
+#[test]
+fn smoke_plume_single_agrees() {
+    agrees("smoke_plume", "single", 64);
+}

@@ -262,7 +262,7 @@ input?: number, };
 /**
  * What the planner knows about a scene; see `SceneFacts` for the exact meanings.
  */
-export type Facts = { triangles: number, instances: number, textures: number, alpha_masked_instances: number, emissive_triangles: number, point_lights: number, spot_lights: number, directional_lights: number, environment: boolean, media: number, scatters: boolean, medium_emits: boolean, anisotropic: boolean, max_abs_g: number, max_albedo: number, 
+export type Facts = { triangles: number, instances: number, textures: number, data_textures: number, alpha_masked_instances: number, emissive_triangles: number, point_lights: number, spot_lights: number, directional_lights: number, environment: boolean, media: number, grids: number, heterogeneous: boolean, scatters: boolean, medium_emits: boolean, anisotropic: boolean, max_abs_g: number, max_albedo: number, 
 /**
  * An infinite thickness is the largest finite number: JSON knows no infinity.
  */
@@ -350,7 +350,12 @@ density_scale: number,
  */
 path: string, 
 /**
- * Placement; identity if left out.
+ * Name of the grid in the file, where it holds several; `density` or the first one if
+ * left out. At most 200 characters.
+ */
+grid?: string, 
+/**
+ * Applied after the file's own placement; identity if left out.
  */
 transform?: Transform, };
 
@@ -524,7 +529,12 @@ base_color_texture?: string, };
 /**
  * One entry of `media`.
  */
-export type MediumDescription = { "kind": "homogeneous" } & HomogeneousMedium | { "kind": "height_fog" } & HeightFogMedium | { "kind": "sphere" } & SphereMedium | { "kind": "grid" } & GridMedium;
+export type MediumDescription = { "kind": "homogeneous" } & HomogeneousMedium | { "kind": "height_fog" } & HeightFogMedium | { "kind": "sphere" } & SphereMedium | { "kind": "grid" } & GridMedium | { "kind": "procedural" } & ProceduralMedium;
+
+/**
+ * How often a path scatters in media.
+ */
+export type MediumOrder = "all" | "none" | "single" | "multiple";
 
 /**
  * A triangle mesh written into the scene.
@@ -692,6 +702,72 @@ title: string,
 summary: string, };
 
 /**
+ * A voxel grid made from noise, with values from 0 to 1. Before `transform` it stands on
+ * y = 0, centred over the origin, and its longest side is 1 m.
+ */
+export type ProceduralMedium = { 
+/**
+ * Name for people and messages. At most 200 characters.
+ */
+name?: string, 
+/**
+ * Scattering coefficient at density 1, together with `sigma_a`. Unit: m⁻¹.
+ * Range: 0 to 1e6.
+ */
+sigma_s?: Rgb, 
+/**
+ * Absorption coefficient at density 1, together with `sigma_s`. Unit: m⁻¹.
+ * Range: 0 to 1e6.
+ */
+sigma_a?: Rgb, 
+/**
+ * Extinction coefficient at density 1, together with `albedo`, instead of `sigma_s`
+ * and `sigma_a`. Unit: m⁻¹. Range: 0 to 1e6.
+ */
+sigma_t?: Rgb, 
+/**
+ * Scattered share of `sigma_t`. Range: 0 to 1.
+ */
+albedo?: Rgb, 
+/**
+ * Henyey–Greenstein mean cosine, +1 forward. Range: −0.999 to 0.999.
+ */
+g: number, 
+/**
+ * Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
+ */
+emission: Rgb, 
+/**
+ * Factor on all coefficients and the emission. Range: 0 to 1e6.
+ */
+density_scale: number, 
+/**
+ * What is made.
+ */
+pattern: ProceduralPattern, 
+/**
+ * Another seed, another plume or cloud. Range: 0 to 2⁵³ − 1.
+ */
+seed: number, 
+/**
+ * Voxels along the longest side. Range: 8 to 256.
+ */
+resolution: number, 
+/**
+ * Octaves of noise, each of twice the frequency of the one before. Range: 1 to 8.
+ */
+octaves: number, 
+/**
+ * Placement; identity if left out.
+ */
+transform?: Transform, };
+
+/**
+ * What a procedural grid shows.
+ */
+export type ProceduralPattern = "smoke_plume" | "cloud";
+
+/**
  * A parallelogram.
  */
 export type QuadGeometry = { 
@@ -723,6 +799,25 @@ transform?: Transform,
  * Placement at which time, in order of time. Used by animation jobs.
  */
 keyframes?: Array<TransformKeyframe>, };
+
+/**
+ * Which paths the `reference` counts; all of them if nothing is said.
+ *
+ * A path camera → x₁ … x_k → light has k scatterings, on surfaces or in media.
+ */
+export type Reference = { 
+/**
+ * Most scatterings of a path, k; unlimited if left out. Range: 0 to 65535.
+ */
+max_scatterings?: number, 
+/**
+ * Most scatterings on surfaces; unlimited if left out. Range: 0 to 65535.
+ */
+max_surface_scatterings?: number, 
+/**
+ * How often a path scatters in media.
+ */
+medium_order: MediumOrder, };
 
 /**
  * How to render.
@@ -761,6 +856,10 @@ seed: number,
  * Settings of the `single_scattering` march.
  */
 single_scattering: SingleScattering, 
+/**
+ * Which paths the `reference` counts.
+ */
+reference: Reference, 
 /**
  * How visibility toward lights is found.
  */

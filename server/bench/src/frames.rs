@@ -6,11 +6,13 @@ use std::time::Instant;
 
 use glam::{DQuat, DVec3};
 use serde::Serialize;
+use tyndall_metrics::{Image, relative_rmse_trim};
 use tyndall_render::{FinishedFrame, RenderError, RenderOutcome, Renderer, View};
 use tyndall_scene::{Scene, ShadowMode, StopRule};
 
+use crate::error::BenchError;
 use crate::memory::resident_bytes;
-use crate::statistics::{Summary, relative_rmse};
+use crate::statistics::Summary;
 
 /// Frames before timing starts: pipelines are built at their first use.
 const WARM_UP: u32 = 5;
@@ -75,7 +77,7 @@ impl FrameBench {
         renderer: &mut Renderer,
         name: &str,
         scene: &Scene,
-    ) -> Result<Row, RenderError> {
+    ) -> Result<Row, BenchError> {
         let still = |samples: u32, mode: ShadowMode| {
             let mut scene = scene.clone();
             scene.render.stop = StopRule::Samples(samples);
@@ -110,6 +112,9 @@ impl FrameBench {
         let truth = renderer.render_still(&mut view, |_| {})?;
         non_finite += truth.non_finite;
 
+        let image = |radiance: &[[f32; 4]]| Image::from_rgba(self.width, self.height, radiance);
+        let truth_image = image(&truth.radiance)?;
+        let error = |radiance| relative_rmse_trim(&image(radiance)?, &truth_image);
         let adapter = renderer.adapter();
         Ok(Row {
             scene: name.to_owned(),
@@ -125,8 +130,8 @@ impl FrameBench {
                 .into_iter()
                 .map(|(name, times)| (name, Summary::of(&times)))
                 .collect(),
-            error_one_sample: relative_rmse(&one, &truth.radiance),
-            error_64_samples: relative_rmse(&settled.radiance, &truth.radiance),
+            error_one_sample: error(&one)?,
+            error_64_samples: error(&settled.radiance)?,
             truth_samples: self.truth_samples,
             seconds_64_samples,
             non_finite,
@@ -181,7 +186,10 @@ impl FrameBench {
 }
 
 /// Renders one frame and waits for it.
-fn next_frame(renderer: &mut Renderer, view: &mut View) -> Result<FinishedFrame, RenderError> {
+pub(crate) fn next_frame(
+    renderer: &mut Renderer,
+    view: &mut View,
+) -> Result<FinishedFrame, RenderError> {
     if renderer.render(view, 0)? != RenderOutcome::Submitted {
         return Err(RenderError::Refused(
             "the view had nothing to render".into(),

@@ -27,32 +27,6 @@ impl Summary {
     }
 }
 
-/// √mean((a − b)²)/mean(b) over pixels and RGB, the worst 0.1 % of pixels left out.
-pub fn relative_rmse(image: &[[f32; 4]], reference: &[[f32; 4]]) -> f64 {
-    let mut squares: Vec<f64> = image
-        .iter()
-        .zip(reference)
-        .map(|(a, b)| (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>() / 3.0)
-        .collect();
-    squares.sort_by(f64::total_cmp);
-    let kept = squares.len()
-        - squares
-            .len()
-            .div_ceil(1000)
-            .min(squares.len().saturating_sub(1));
-    let mean_square = squares[..kept].iter().sum::<f64>() / kept.max(1) as f64;
-    let mean = reference
-        .iter()
-        .map(|b| (0..3).map(|c| f64::from(b[c])).sum::<f64>() / 3.0)
-        .sum::<f64>()
-        / reference.len().max(1) as f64;
-    if mean > 0.0 {
-        mean_square.sqrt() / mean
-    } else {
-        mean_square.sqrt()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,23 +41,5 @@ mod tests {
                 p95: 95.0
             }
         );
-    }
-
-    #[test]
-    fn a_uniform_ten_percent_offset_is_an_error_of_a_tenth() {
-        let reference = vec![[2.0, 2.0, 2.0, 0.0]; 5000];
-        let image = vec![[2.2, 2.2, 2.2, 0.0]; 5000];
-        assert!((relative_rmse(&image, &reference) - 0.1).abs() < 1e-6);
-    }
-
-    #[test]
-    fn the_worst_thousandth_of_pixels_is_left_out() {
-        let reference = vec![[1.0, 1.0, 1.0, 0.0]; 2000];
-        let mut image = reference.clone();
-        image[7] = [1e6; 4];
-        image[9] = [1e6; 4];
-        assert_eq!(relative_rmse(&image, &reference), 0.0);
-        image[11] = [2.0; 4];
-        assert!(relative_rmse(&image, &reference) > 0.0);
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use tyndall_render::{DeviceOptions, approximations};
+use tyndall_scene::description::render::Technique;
 use tyndall_scene::{Loaded, presets};
 
 /// Which adapter renders.
@@ -46,4 +47,67 @@ pub fn load(name: &str) -> anyhow::Result<Loaded> {
         tracing::warn!("{name}: {remark}");
     }
     Ok(loaded)
+}
+
+/// A technique by its JSON name.
+pub fn technique(name: &str) -> Result<Technique, String> {
+    serde_json::from_value(name.into()).map_err(|error| error.to_string())
+}
+
+/// The JSON name of a technique.
+pub fn technique_name(technique: Technique) -> String {
+    match serde_json::to_value(technique) {
+        Ok(serde_json::Value::String(name)) => name,
+        // A unit variant is always a string.
+        _ => String::new(),
+    }
+}
+
+/// Seconds of `10`, `10s`, `500ms` or `2m`; the range is the scene description's.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let units = [("ms", 1e-3), ("min", 60.0), ("m", 60.0), ("s", 1.0)];
+    let (number, unit) = units
+        .iter()
+        .find_map(|(suffix, unit)| text.strip_suffix(suffix).map(|number| (number, *unit)))
+        .unwrap_or((text, 1.0));
+    number
+        .trim()
+        .parse::<f64>()
+        .map(|value| value * unit)
+        .map_err(|error| format!("{error}: expected a time like 10, 10s, 500ms or 2m"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_units() {
+        let cases = [
+            ("10", 10.0),
+            ("10s", 10.0),
+            ("2.5 s", 2.5),
+            ("500ms", 0.5),
+            ("2m", 120.0),
+            ("-1", -1.0),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(seconds(text), Ok(expected), "{text}");
+        }
+        for text in ["", "s", "ten", "1h"] {
+            assert!(seconds(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn techniques_have_their_json_names() {
+        assert_eq!(technique("reference"), Ok(Technique::Reference));
+        assert_eq!(
+            technique_name(Technique::SingleScattering),
+            "single_scattering"
+        );
+        let error = technique("magic").unwrap_err();
+        assert!(error.contains("reference"), "{error}");
+    }
 }

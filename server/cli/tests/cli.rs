@@ -47,7 +47,9 @@ fn scene_file(folder: &TempDir, json: &str) -> String {
 fn help_names_every_command() {
     let output = tyndall(&["--help"]);
     assert!(output.status.success());
-    for command in ["serve", "render", "plan", "check", "adapters", "bench"] {
+    for command in [
+        "serve", "render", "compare", "plan", "check", "adapters", "bench",
+    ] {
         assert!(text(&output).contains(command), "{command}");
     }
 }
@@ -159,12 +161,61 @@ fn render_writes_an_exr_with_linear_radiance_and_transmittance() {
         .iter()
         .map(|c| c.name.to_string())
         .collect();
-    assert_eq!(names, ["B", "G", "R", "T"]);
+    assert_eq!(names, ["B", "G", "R", "transmittance"]);
     for channel in &layer.channel_data.list {
         let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
         assert!(values.iter().all(|v| v.is_finite() && *v >= 0.0));
         assert!(values.iter().any(|v| *v > 0.0), "{} is black", channel.name);
     }
+}
+
+#[test]
+fn render_says_in_the_exr_where_the_picture_comes_from() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("out.exr");
+    let output = render_to(
+        &path,
+        &["--seed", "7", "--technique", "single_scattering", "--quiet"],
+    );
+    assert!(output.status.success(), "{}", stderr(&output));
+    let (_, metadata) = tyndall_picture::read_exr(&path).unwrap();
+    assert_eq!(metadata.technique, "single_scattering");
+    assert_eq!((metadata.seed, metadata.samples), (7, 2));
+    assert_eq!(metadata.scene_hash.len(), 32);
+    assert!(!metadata.adapter.is_empty());
+}
+
+#[test]
+fn compare_measures_two_pictures_and_writes_their_errors() {
+    let folder = TempDir::new().unwrap();
+    let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    for (name, seed) in [("a.exr", "1"), ("b.exr", "2"), ("a.png", "1")] {
+        let output = render_to(Path::new(&file(name)), &["--seed", seed, "--quiet"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    let output = tyndall(&[
+        "compare",
+        &file("a.exr"),
+        &file("b.exr"),
+        "--json",
+        "--error-image",
+        &file("error.png"),
+    ]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let measures: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let error = measures["relative_rmse"].as_f64().expect("a number");
+    assert!(error > 0.0 && error < 1.0, "{error}");
+    assert!(measures["block_z"].is_null(), "no variance is known");
+    assert!(measures["hdr_flip"].as_f64().is_some_and(|flip| flip > 0.0));
+    assert!(Path::new(&file("error.png")).exists());
+
+    let same = tyndall(&["compare", &file("a.png"), &file("a.png")]);
+    assert!(text(&same).contains("ldr_flip"), "{}", text(&same));
+    refused(
+        &["compare", &file("a.png"), &file("b.exr")],
+        &["displayed", "radiance"],
+    );
+    refused(&["compare", "no.exr", "no.exr"], &["no.exr"]);
 }
 
 #[test]
@@ -196,6 +247,21 @@ fn render_refuses_what_it_cannot_write_before_rendering() {
     refused(
         &["render", "cornell_fog", "-o", "x.png", "--time", "-1"],
         &["time_seconds"],
+    );
+    refused(
+        &["render", "cornell_fog", "-o", "x.png", "--error", "7"],
+        &["relative_error", "7"],
+    );
+    refused(
+        &[
+            "render",
+            "cornell_fog",
+            "-o",
+            "x.png",
+            "--technique",
+            "instant_vpl",
+        ],
+        &["instant_vpl"],
     );
 }
 

@@ -29,7 +29,7 @@ pub(crate) fn record(
         if planned.pass == PassKind::ShadowMaps {
             parts
                 .shadows
-                .record(recording, parts.geometry, &parts.inputs.instances)?;
+                .record(recording, &parts.assets.geometry, &parts.inputs.instances)?;
             continue;
         }
         let mut bindings = Bindings::default();
@@ -39,7 +39,13 @@ pub(crate) fn record(
             // Built when the view took the geometry.
             PassKind::Bvh | PassKind::ShadowMaps => {}
             PassKind::Gbuffer => {
-                surfaces::record_gbuffer(recording, &bindings, targets, parts.geometry, variant)?;
+                surfaces::record_gbuffer(
+                    recording,
+                    &bindings,
+                    targets,
+                    &parts.assets.geometry,
+                    variant,
+                )?;
             }
             PassKind::Shade => surfaces::record_shade(recording, &bindings, targets, variant)?,
             PassKind::SingleScattering => {

@@ -227,6 +227,9 @@ fn plan_reference(facts: &SceneFacts) -> FramePlan {
     if facts.grids > 0 {
         variant.push_str("+grids");
     }
+    if facts.environment_map {
+        variant.push_str("+environment_map");
+    }
     let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
     plan.run(
         PassKind::Reference,

@@ -122,11 +122,7 @@ pub fn frame_values(
 /// The media of `scene` relative to its camera.
 pub fn medium_values(scene: &tyndall_scene::Scene) -> Vec<tyndall_shaders::types::Medium> {
     let origin = crate::gpu_scene::Origin(scene.camera.position);
-    scene
-        .media
-        .iter()
-        .filter_map(|medium| crate::gpu_scene::medium_values(medium, origin))
-        .collect()
+    crate::gpu_scene::all_medium_values(&scene.media, origin)
 }
 
 /// Bytes of the BVH of `scene`'s geometry relative to the world's origin: nodes, vertices.

@@ -1,16 +1,15 @@
 //! One device, its pipelines, and the geometries its views share.
 
-use std::sync::{Arc, Weak};
+use std::sync::Arc;
 use std::time::Instant;
 
-use glam::DVec3;
 use tyndall_scene::{Medium, MediumShape, Scene, SceneFacts, Technique};
 
 use crate::device::{AdapterSummary, Device};
 use crate::engine::Recording;
 use crate::error::RenderError;
 use crate::frame;
-use crate::gpu_scene::{GpuGeometry, SampleValues};
+use crate::gpu_scene::{AssetCache, SampleValues};
 use crate::image::Work;
 use crate::plan::{PassKind, PlanLimits, march_steps};
 use crate::programs::{Constants, Programs};
@@ -24,8 +23,8 @@ use crate::view::{View, ViewParts};
 pub struct Renderer {
     device: Device,
     programs: Programs,
-    /// Geometries some view still uses.
-    geometries: Vec<Weak<GpuGeometry>>,
+    /// What views share.
+    assets: AssetCache,
 }
 
 /// What a call of [`Renderer::render`] did.
@@ -46,13 +45,19 @@ impl Renderer {
         Ok(Self {
             device,
             programs: Programs::default(),
-            geometries: Vec::new(),
+            assets: AssetCache::default(),
         })
     }
 
     /// The adapter in use.
     pub fn adapter(&self) -> &AdapterSummary {
         self.device.summary()
+    }
+
+    /// Memory allocated on the device, by its allocator's own report, if it makes one. Unit: byte.
+    pub fn device_bytes(&self) -> Option<u64> {
+        let report = self.device.device.generate_allocator_report()?;
+        Some(report.total_allocated_bytes)
     }
 
     /// What the start-up self-test found.
@@ -80,9 +85,9 @@ impl Renderer {
     ) -> Result<View, RenderError> {
         check_supported(&scene)?;
         self.check_loops(&scene)?;
-        let geometry = self.geometry(&scene)?;
+        let assets = self.assets.assets(&self.device, &scene)?;
         let limits = self.plan_limits();
-        let view = View::new(&self.device, scene, geometry, (width, height), limits)?;
+        let view = View::new(&self.device, scene, assets, (width, height), limits)?;
         self.device.check()?;
         Ok(view)
     }
@@ -91,12 +96,8 @@ impl Renderer {
     pub fn update_view(&mut self, view: &mut View, scene: Arc<Scene>) -> Result<(), RenderError> {
         check_supported(&scene)?;
         self.check_loops(&scene)?;
-        let geometry = if view.scene.geometry == scene.geometry {
-            Arc::clone(&view.geometry)
-        } else {
-            self.geometry(&scene)?
-        };
-        view.update(&self.device, scene, geometry)?;
+        let assets = self.assets.assets(&self.device, &scene)?;
+        view.update(&self.device, scene, assets)?;
         self.device.check()
     }
 
@@ -127,7 +128,7 @@ impl Renderer {
             view.inputs.upload_scene(
                 &self.device,
                 &view.scene,
-                &view.geometry,
+                &view.assets,
                 &view.shadows,
                 view.shadow_mode(),
             );
@@ -151,7 +152,7 @@ impl Renderer {
             &self.device,
             &view.scene,
             &view.facts,
-            view.geometry.anchor,
+            view.assets.geometry.anchor,
             (width, height),
             sample,
         );
@@ -159,10 +160,14 @@ impl Renderer {
             &self.device,
             &self.programs,
             &view.timing,
-            constants(&view.scene, &view.facts, view.geometry.emitter_count()),
+            constants(
+                &view.scene,
+                &view.facts,
+                view.assets.geometry.emitter_count(),
+            ),
         );
         let mut parts = ViewParts {
-            geometry: &view.geometry,
+            assets: &view.assets,
             targets: &view.targets,
             inputs: &view.inputs,
             shadows: &mut view.shadows,
@@ -220,25 +225,6 @@ impl Renderer {
             }
             _ => Ok(()),
         }
-    }
-
-    /// The scene's geometry on the device, shared with every view that already has it.
-    fn geometry(&mut self, scene: &Scene) -> Result<Arc<GpuGeometry>, RenderError> {
-        self.geometries.retain(|known| known.strong_count() > 0);
-        let known = self
-            .geometries
-            .iter()
-            .filter_map(Weak::upgrade)
-            .find(|known| known.source == scene.geometry);
-        if let Some(known) = known {
-            return Ok(known);
-        }
-        let anchor = tyndall_scene::facts(scene)
-            .surface_bounds
-            .map_or(DVec3::ZERO, |bounds| 0.5 * (bounds.min + bounds.max));
-        let uploaded = Arc::new(GpuGeometry::upload(&self.device, &scene.geometry, anchor)?);
-        self.geometries.push(Arc::downgrade(&uploaded));
-        Ok(uploaded)
     }
 }
 

@@ -10,6 +10,8 @@ use tyndall_shaders::types;
 
 /// Most samples of one sweep: a changed scene should not wait for more.
 const MAX_BATCH: u32 = 64;
+/// Longest dispatch of a still picture: drivers reset devices that are silent for seconds.
+const STILL_BUDGET: Duration = Duration::from_millis(250);
 /// Pixel samples of the very first dispatch, before anything is measured.
 const FIRST_UNITS: f64 = 16_384.0;
 /// A measured cost may be that much too low for the next dispatch.
@@ -63,6 +65,13 @@ impl Slices {
             next_row: 0,
             batch: 1,
         }
+    }
+
+    /// Allows longer dispatches where nobody waits for a frame; returns what was allowed before.
+    pub fn widen(&mut self) -> Duration {
+        let before = self.budget;
+        self.budget = before.max(STILL_BUDGET);
+        before
     }
 
     /// Changes the longest dispatch.

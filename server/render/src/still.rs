@@ -17,7 +17,8 @@ pub struct Still {
     pub variance: Option<Vec<[f32; 3]>>,
     /// Samples of each pixel. Only the reference counts them a pixel.
     pub samples_per_pixel: Option<Vec<f32>>,
-    /// Distance to the first surface, mean over the samples; 0 without any. Unit: m.
+    /// Distance along the view axis to the first surface, mean over the samples that met one; 0 without
+    /// any. Unit: m.
     pub depth: Option<Vec<f32>>,
     /// Normal of the first surface in world axes, mean over the samples.
     pub normal: Option<Vec<[f32; 3]>>,
@@ -45,6 +46,17 @@ impl Renderer {
         &mut self,
         view: &mut View,
         mut progress: impl FnMut(&mut StillProgress),
+    ) -> Result<Still, RenderError> {
+        let budget = view.slices.widen();
+        let still = self.render_to_the_end(view, &mut progress);
+        view.slices.set_budget(budget);
+        still
+    }
+
+    fn render_to_the_end(
+        &mut self,
+        view: &mut View,
+        progress: &mut dyn FnMut(&mut StillProgress),
     ) -> Result<Still, RenderError> {
         let (mut non_finite, mut negative) = (0, 0);
         let mut last = None;

@@ -35,7 +35,7 @@ pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
         fields.push("lights: kind environment".into());
     }
     for (i, medium) in scene.media.iter().enumerate() {
-        if matches!(medium.shape, MediumShape::Grid { .. }) {
+        if matches!(medium.shape, MediumShape::Grid { .. }) && !traced {
             fields.push(format!("media[{i}]: kind grid"));
         }
     }

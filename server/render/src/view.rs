@@ -7,7 +7,7 @@ use tyndall_scene::{Scene, SceneFacts, ShadowMode};
 
 use crate::device::{AdapterKind, Device};
 use crate::error::RenderError;
-use crate::gpu_scene::{GpuGeometry, Inputs};
+use crate::gpu_scene::{GpuAssets, GpuGeometry, Inputs};
 use crate::image::{Change, Image};
 use crate::plan::{FramePlan, PassKind, PlanLimits, plan};
 use crate::programs::Bindings;
@@ -23,7 +23,7 @@ pub struct View {
     pub(crate) scene: Arc<Scene>,
     pub(crate) facts: SceneFacts,
     pub(crate) plan: FramePlan,
-    pub(crate) geometry: Arc<GpuGeometry>,
+    pub(crate) assets: GpuAssets,
     pub(crate) targets: Targets,
     pub(crate) inputs: Inputs,
     pub(crate) shadows: ShadowMaps,
@@ -38,7 +38,7 @@ pub struct View {
 
 /// What the passes of a frame use of a view.
 pub(crate) struct ViewParts<'a> {
-    pub geometry: &'a GpuGeometry,
+    pub assets: &'a GpuAssets,
     pub targets: &'a Targets,
     pub inputs: &'a Inputs,
     pub shadows: &'a mut ShadowMaps,
@@ -55,6 +55,7 @@ impl ViewParts<'_> {
             .buffer("media", &inputs.media)
             .buffer("statistics", &inputs.statistics)
             .buffer("slice", &inputs.slice)
+            .buffer("grids", &inputs.grids)
             .buffer("film", &targets.film)
             .buffer("displayed", &targets.displayed)
             .texture("gbuffer_depth", &targets.depth)
@@ -73,7 +74,7 @@ impl ViewParts<'_> {
         if let Some(radiance) = &targets.in_scattered_radiance {
             bindings.texture("in_scattered_radiance", radiance);
         }
-        self.geometry.bind(bindings);
+        self.assets.bind(bindings);
         self.shadows.bind(bindings);
     }
 }
@@ -82,13 +83,13 @@ impl View {
     pub(crate) fn new(
         device: &Device,
         scene: Arc<Scene>,
-        geometry: Arc<GpuGeometry>,
+        assets: GpuAssets,
         (width, height): (u32, u32),
         limits: PlanLimits,
     ) -> Result<Self, RenderError> {
         let facts = tyndall_scene::facts(&scene);
         let plan = plan(&facts, &scene.render, &limits);
-        need_geometry(device, &geometry, &plan)?;
+        need_geometry(device, &assets.geometry, &plan)?;
         let mut shadows = ShadowMaps::new(device);
         fit_shadows(&mut shadows, device, &scene, &facts, &plan)?;
         Ok(Self {
@@ -103,18 +104,18 @@ impl View {
             scene,
             facts,
             plan,
-            geometry,
+            assets,
             limits,
         })
     }
 
-    /// Takes a new state of the scene; `geometry` is its geometry on the device. What can fail comes
+    /// Takes a new state of the scene; `assets` are its shared parts on the device. What can fail comes
     /// before anything is taken, so on an error the view is as it was.
     pub(crate) fn update(
         &mut self,
         device: &Device,
         scene: Arc<Scene>,
-        geometry: Arc<GpuGeometry>,
+        assets: GpuAssets,
     ) -> Result<(), RenderError> {
         let change = Change::between(&self.scene, &scene);
         let facts = tyndall_scene::facts(&scene);
@@ -125,7 +126,7 @@ impl View {
         } else {
             None
         };
-        need_geometry(device, &geometry, &plan)?;
+        need_geometry(device, &assets.geometry, &plan)?;
         fit_shadows(&mut self.shadows, device, &scene, &facts, &plan)?;
         if change.geometry {
             self.shadows.invalidate();
@@ -139,7 +140,7 @@ impl View {
         self.scene = scene;
         self.facts = facts;
         self.plan = plan;
-        self.geometry = geometry;
+        self.assets = assets;
         self.stale |= change.geometry || change.radiance;
         self.image.apply(change);
         if change.geometry || change.radiance {

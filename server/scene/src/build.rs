@@ -12,7 +12,7 @@ use crate::description::{
 };
 use crate::error::SceneError;
 use crate::files::Folder;
-use crate::import::{self, Imported};
+use crate::import::{self, Assets, Imported};
 use crate::limits::Limits;
 use crate::scene::{
     Aabb, Camera, DirectionalLight, Environment, Light, Medium, MediumShape, PointLight,
@@ -66,34 +66,17 @@ pub(crate) fn with_file_camera(
 ) -> Result<(Loaded, Option<CameraDescription>), SceneError> {
     validate::description(&description, limits)?;
     let folder = Folder::open(folder, limits)?;
-    files_exist(&description, &folder)?;
     let mut imported = import::geometry(&description.geometry, &folder, limits)?;
     let file_camera = imported.camera.take();
-    let (geometry, warnings) = adopt(&mut description, imported, limits)?;
-    let scene = scene(&description, SharedGeometry(Arc::new(geometry)));
+    let (geometry, mut warnings) = adopt(&mut description, imported, limits)?;
+    let assets = Assets::load(&description, &folder, limits, &mut warnings)?;
+    let scene = scene(&description, SharedGeometry(Arc::new(geometry)), assets);
     let loaded = Loaded {
         description,
         scene,
         warnings,
     };
     Ok((loaded, file_camera))
-}
-
-/// Files that a later version loads are checked to be there now.
-fn files_exist(description: &SceneDescription, folder: &Folder) -> Result<(), SceneError> {
-    for (i, light) in description.lights.iter().enumerate() {
-        if let LightDescription::Environment(light) = light
-            && let Some(map) = &light.map
-        {
-            folder.locate(&format!("lights[{i}].map"), map)?;
-        }
-    }
-    for (i, medium) in description.media.iter().enumerate() {
-        if let MediumDescription::Grid(grid) = medium {
-            folder.locate(&format!("media[{i}].path"), &grid.path)?;
-        }
-    }
-    Ok(())
 }
 
 /// Moves the lights of glTF files into the description.
@@ -120,15 +103,26 @@ fn adopt(
     Ok((imported.geometry, imported.warnings))
 }
 
-/// The scene of a validated description with given geometry.
-pub(crate) fn scene(description: &SceneDescription, geometry: SharedGeometry) -> Scene {
+/// The scene of a validated description with given geometry and files.
+pub(crate) fn scene(
+    description: &SceneDescription,
+    geometry: SharedGeometry,
+    assets: Assets,
+) -> Scene {
+    let Assets { map, shapes } = assets;
+    let environment = description.lights.iter().find_map(environment);
     Scene {
         name: description.name.clone(),
         camera: camera(&description.camera),
         geometry,
         lights: description.lights.iter().filter_map(light).collect(),
-        environment: description.lights.iter().find_map(environment),
-        media: description.media.iter().map(medium).collect(),
+        environment: environment.map(|environment| Environment { map, ..environment }),
+        media: description
+            .media
+            .iter()
+            .zip(shapes)
+            .map(|(description, shape)| medium(description, shape))
+            .collect(),
         render: render(&description.render),
         keyframes: description.keyframe_paths(),
     }
@@ -184,28 +178,10 @@ fn environment(light: &LightDescription) -> Option<Environment> {
     })
 }
 
-fn medium(medium: &MediumDescription) -> Medium {
+fn medium(medium: &MediumDescription, shape: MediumShape) -> Medium {
     let coefficients = medium.coefficients();
     let (sigma_s, sigma_a) = scattering_and_absorption(&coefficients);
     let scale = coefficients.density_scale;
-    let shape = match medium {
-        MediumDescription::Homogeneous(medium) => MediumShape::Homogeneous {
-            bounds: medium.bounds.as_ref().map(aabb),
-        },
-        MediumDescription::HeightFog(medium) => MediumShape::HeightFog {
-            up: unit(medium.up),
-            falloff: medium.falloff as f32,
-            origin: DVec3::from_array(medium.origin),
-            bounds: medium.bounds.as_ref().map(aabb),
-        },
-        MediumDescription::Sphere(medium) => MediumShape::Sphere {
-            center: DVec3::from_array(medium.center),
-            radius: medium.radius,
-        },
-        MediumDescription::Grid(medium) => MediumShape::Grid {
-            path: medium.path.clone(),
-        },
-    };
     Medium {
         name: coefficients.name.unwrap_or_default().to_owned(),
         sigma_s: sigma_s.map(|sigma| (sigma * scale) as f32),
@@ -264,12 +240,12 @@ fn rgb(Rgb(channels): Rgb) -> [f32; 3] {
 }
 
 /// The unit vector along a validated direction, which is never short.
-fn unit(direction: [f64; 3]) -> Vec3 {
+pub(crate) fn unit(direction: [f64; 3]) -> Vec3 {
     let direction = DVec3::from_array(direction);
     (direction / direction.length()).as_vec3()
 }
 
-fn aabb(bounds: &Bounds) -> Aabb {
+pub(crate) fn aabb(bounds: &Bounds) -> Aabb {
     Aabb {
         min: DVec3::from_array(bounds.min),
         max: DVec3::from_array(bounds.max),

@@ -9,6 +9,7 @@ use crate::description::{
     CameraDescription, LightDescription, MediumDescription, RenderDescription, SceneDescription,
 };
 use crate::error::SceneError;
+use crate::import::Assets;
 use crate::limits::Limits;
 use crate::scene::{Scene, SharedGeometry};
 use crate::validate;
@@ -37,8 +38,9 @@ pub struct SceneEdit {
 
 /// Applies an edit to a scene and its description.
 ///
-/// The geometry is shared with the scene before, so nothing is read or uploaded again. An edit
-/// can't name files that the scene doesn't use already: there is no folder to look them up in.
+/// Geometry, grids and the environment map are shared with the scene before, so nothing is read or
+/// uploaded again. An edit can't name files and procedural grids that the scene doesn't hold
+/// already: there is no folder to look files up in, and an edit takes no longer than a frame.
 ///
 /// # Errors
 /// [`SceneError`] with the JSON path in the edited scene; the scene before stays valid.
@@ -64,38 +66,8 @@ pub fn apply_edit(
         edited.render = render.clone();
     }
     validate::all_but_geometry(&edited, &Limits::default())?;
-    no_new_files(description, &edited)?;
-    let scene = build::scene(&edited, SharedGeometry(scene.geometry.0.clone()));
+    let assets = Assets::kept(description, scene, &edited)?;
+    let geometry = SharedGeometry(scene.geometry.0.clone());
+    let scene = build::scene(&edited, geometry, assets);
     Ok((edited, scene))
-}
-
-/// Files of the edited scene are files of the scene before.
-fn no_new_files(before: &SceneDescription, after: &SceneDescription) -> Result<(), SceneError> {
-    let known: Vec<&str> = files(before).map(|(_, file)| file).collect();
-    match files(after).find(|(_, file)| !known.contains(file)) {
-        None => Ok(()),
-        Some((path, file)) => Err(SceneError::invalid(
-            path,
-            format!("\"{}\"", crate::description::parse::abbreviate(file)),
-            "a file that the scene uses already; open a scene to use another",
-        )),
-    }
-}
-
-/// Files of lights and media with their JSON paths.
-fn files(scene: &SceneDescription) -> impl Iterator<Item = (String, &str)> {
-    let maps = scene.lights.iter().enumerate().filter_map(|(i, light)| {
-        let LightDescription::Environment(light) = light else {
-            return None;
-        };
-        let map = light.map.as_deref()?;
-        Some((format!("lights[{i}].map"), map))
-    });
-    let grids = scene.media.iter().enumerate().filter_map(|(i, medium)| {
-        let MediumDescription::Grid(grid) = medium else {
-            return None;
-        };
-        Some((format!("media[{i}].path"), grid.path.as_str()))
-    });
-    maps.chain(grids)
 }

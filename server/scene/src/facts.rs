@@ -35,10 +35,14 @@ pub struct SceneFacts {
     pub directional_lights: usize,
     /// Whether radiance arrives from infinity.
     pub environment: bool,
+    /// Whether that radiance comes from a map.
+    pub environment_map: bool,
     /// Media with a non-zero coefficient.
     pub media: usize,
-    /// Media in density grids.
+    /// Media of those whose density is a grid.
     pub grids: usize,
+    /// Whether the density of some medium varies: a grid, a sphere or height fog that thins out.
+    pub heterogeneous: bool,
     /// Whether some medium has `σ_s` > 0.
     pub scatters: bool,
     /// Whether some medium emits.
@@ -110,11 +114,15 @@ pub fn facts(scene: &Scene) -> SceneFacts {
             .environment
             .as_ref()
             .is_some_and(|environment| environment.radiance != [0.0; 3]),
+        environment_map: scene.environment.as_ref().is_some_and(|environment| {
+            environment.radiance != [0.0; 3] && environment.map.is_some()
+        }),
         media: media.len(),
         grids: media
             .iter()
             .filter(|m| matches!(m.shape, MediumShape::Grid { .. }))
             .count(),
+        heterogeneous: media.iter().any(|m| varies(&m.shape)),
         scatters: scattering().next().is_some(),
         medium_emits: media.iter().any(|m| m.emission != [0.0; 3]),
         anisotropic: scattering().any(|m| m.g != 0.0),
@@ -129,6 +137,15 @@ pub fn facts(scene: &Scene) -> SceneFacts {
 /// Whether a medium does nothing.
 fn is_vacuum(medium: &Medium) -> bool {
     [medium.sigma_s, medium.sigma_a, medium.emission] == [[0.0; 3]; 3]
+}
+
+/// Whether a density differs from place to place.
+fn varies(shape: &MediumShape) -> bool {
+    match shape {
+        MediumShape::Homogeneous { .. } => false,
+        MediumShape::HeightFog { falloff, .. } => *falloff > 0.0,
+        MediumShape::Sphere { .. } | MediumShape::Grid { .. } => true,
+    }
 }
 
 /// Largest `σ_s/σ_t` over the channels.
@@ -200,8 +217,18 @@ fn path_length(shape: &MediumShape, bounds: &Aabb) -> f64 {
         }),
         // The integral of 1 − r²/R² over a diameter.
         MediumShape::Sphere { radius, .. } => 4.0 / 3.0 * radius,
-        // Not read yet: the density is at most 1.
-        MediumShape::Grid { .. } => diagonal(bounds),
+        // The densest column of bricks along an axis of the lattice.
+        MediumShape::Grid {
+            grid,
+            world_from_lattice,
+        } => {
+            let axes = world_from_lattice.matrix3;
+            [axes.x_axis, axes.y_axis, axes.z_axis]
+                .iter()
+                .zip(grid.stats().columns)
+                .map(|(step, column)| step.length() * column)
+                .fold(0.0, f64::max)
+        }
     }
 }
 
@@ -235,9 +262,7 @@ fn surface_bounds(geometry: &Geometry) -> Option<Aabb> {
     let mut hull = Hull::default();
     for instance in &geometry.instances {
         if let Some((min, max)) = boxes[instance.mesh] {
-            for corner in 0..8 {
-                let high = BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0);
-                let corner = DVec3::select(high, max, min);
+            for corner in box_corners(min, max) {
                 hull.add(instance.world_from_object.transform_point3(corner));
             }
         }
@@ -275,9 +300,16 @@ fn bounds(scene: &Scene, surface_bounds: Option<Aabb>) -> Aabb {
                 hull.add(*center - *radius);
                 hull.add(*center + *radius);
             }
+            MediumShape::Grid {
+                grid,
+                world_from_lattice,
+            } => {
+                for corner in box_corners(grid.clip[0], grid.clip[1]) {
+                    hull.add(world_from_lattice.transform_point3(corner));
+                }
+            }
             MediumShape::Homogeneous { bounds: None }
-            | MediumShape::HeightFog { bounds: None, .. }
-            | MediumShape::Grid { .. } => {}
+            | MediumShape::HeightFog { bounds: None, .. } => {}
         }
     }
     hull.padded().unwrap_or_else(|| {
@@ -288,6 +320,14 @@ fn bounds(scene: &Scene, surface_bounds: Option<Aabb>) -> Aabb {
             min: position.min(target) - 1.0,
             max: position.max(target) + 1.0,
         }
+    })
+}
+
+/// The corners of a box.
+pub(crate) fn box_corners(min: DVec3, max: DVec3) -> [DVec3; 8] {
+    std::array::from_fn(|corner| {
+        let high = BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0);
+        DVec3::select(high, max, min)
     })
 }
 

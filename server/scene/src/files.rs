@@ -103,6 +103,25 @@ impl<'a> Folder<'a> {
         Ok(real)
     }
 
+    /// Checks that a file beside a located one, which a reader may open, doesn't leave the folder.
+    pub(crate) fn check_companion(&self, path: &str, companion: &Path) -> Result<(), SceneError> {
+        let Some(root) = &self.root else {
+            return Ok(());
+        };
+        match companion.canonicalize() {
+            Ok(real) if !real.starts_with(root) => {
+                let name = companion.file_name().unwrap_or_default().to_string_lossy();
+                Err(SceneError::invalid(
+                    path,
+                    format!("\"{name}\" beside the file, a link that leaves the scene's folder"),
+                    "a file inside the scene's folder",
+                ))
+            }
+            // Absent ones are the reader's concern.
+            _ => Ok(()),
+        }
+    }
+
     /// Reads a whole file, if it is inside the folder and within the limits.
     pub(crate) fn read(&self, path: &str, file: &str) -> Result<Vec<u8>, SceneError> {
         let real = self.locate(path, file)?;

@@ -8,6 +8,7 @@
 mod build;
 pub mod description;
 mod edit;
+mod environment;
 mod error;
 mod facts;
 mod files;
@@ -18,15 +19,18 @@ mod load;
 pub mod presets;
 mod scene;
 mod schema;
+mod shared_grid;
 mod validate;
 
 pub use build::{Loaded, build, build_with};
 pub use description::SceneDescription;
 pub use description::parse::parse_json;
 pub use edit::{SceneEdit, apply_edit};
+pub use environment::{EnvironmentDistribution, EnvironmentMap, EnvironmentSample};
 pub use error::SceneError;
 pub use facts::{SceneFacts, facts};
 pub use limits::Limits;
 pub use load::{load, load_with};
 pub use scene::*;
 pub use schema::json_schema;
+pub use shared_grid::{GridStats, SharedGrid};

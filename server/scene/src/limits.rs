@@ -19,6 +19,12 @@ pub struct Limits {
     pub texture_side: u32,
     /// Pixels over all textures.
     pub texture_pixels: u64,
+    /// Pixels of the environment map.
+    pub environment_pixels: u64,
+    /// One file of a grid. Unit: byte. Grids don't count in `file_bytes` and `total_bytes`.
+    pub grid_file_bytes: u64,
+    /// Voxels of all grids in memory, those used twice counted once. Unit: byte.
+    pub grid_bytes: u64,
     /// Depth of a glTF node tree.
     pub node_depth: usize,
     /// Lights, those of glTF files included.
@@ -40,6 +46,9 @@ impl Default for Limits {
             instances: 200_000,
             texture_side: 8192,
             texture_pixels: 256 << 20,
+            environment_pixels: 32 << 20,
+            grid_file_bytes: 4 << 30,
+            grid_bytes: 4 << 30,
             node_depth: 64,
             lights: 4096,
             media: 256,

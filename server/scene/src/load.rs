@@ -15,7 +15,8 @@ use crate::description::{
 };
 use crate::error::SceneError;
 use crate::facts::facts;
-use crate::files::{ReadError, read_limited};
+use crate::files::{Folder, ReadError, read_limited};
+use crate::import::Assets;
 use crate::limits::Limits;
 
 /// Optical depth of the default fog across a bare model.
@@ -119,7 +120,13 @@ fn bare_model(
     let (mut loaded, file_camera) = with_file_camera(description, Some(folder), limits)?;
     furnish(&mut loaded, file_camera);
     crate::validate::all_but_geometry(&loaded.description, limits)?;
-    loaded.scene = crate::build::scene(&loaded.description, loaded.scene.geometry.clone());
+    let assets = Assets::load(
+        &loaded.description,
+        &Folder::open(Some(folder), limits)?,
+        limits,
+        &mut loaded.warnings,
+    )?;
+    loaded.scene = crate::build::scene(&loaded.description, loaded.scene.geometry.clone(), assets);
     Ok(loaded)
 }
 

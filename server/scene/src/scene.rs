@@ -8,6 +8,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 
+use crate::environment::EnvironmentMap;
+use crate::shared_grid::SharedGrid;
+
 /// A scene ready to be rendered. Cloning is cheap: the geometry is shared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
@@ -291,19 +294,9 @@ pub struct Environment {
     pub radiance: [f32; 3],
     /// Equirectangular map, if any.
     pub map: Option<EnvironmentMap>,
-    /// Rotation of the map about +Y. Unit: radian.
+    /// Rotation of the map about +Y: a direction of the world is this rotation times a direction of
+    /// the map, so a positive angle turns −Z toward −X. Unit: radian.
     pub rotation: f32,
-}
-
-/// Equirectangular radiance map; row 0 looks up (+Y), the centre column looks along −Z.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EnvironmentMap {
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Linear RGB, `width · height` entries, finite and ≥ 0.
-    pub pixels: Arc<Vec<[f32; 3]>>,
 }
 
 /// One participating medium.
@@ -349,10 +342,13 @@ pub enum MediumShape {
         /// R. Unit: m; > 0.
         radius: f64,
     },
-    /// A voxel grid in a file; parsed and checked, loaded by a later version.
+    /// Density of a voxel grid, trilinear between its samples, 0 outside its clip box.
     Grid {
-        /// Path below the scene's folder.
-        path: String,
+        /// Samples. Compared by identity, not by content.
+        grid: SharedGrid,
+        /// From lattice points to the world: the description's transform after the grid's own
+        /// placement. Unit: m. Invertible.
+        world_from_lattice: DAffine3,
     },
 }
 

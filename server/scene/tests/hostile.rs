@@ -464,7 +464,7 @@ proptest! {
 
     #[test]
     fn mutated_scenes_never_panic_and_name_a_path(
-        preset in 0_usize..4,
+        preset in 0_usize..6,
         mutations in prop::collection::vec((any::<prop::sample::Index>(), any_value()), 1..4),
     ) {
         let name = presets::names()[preset].name;

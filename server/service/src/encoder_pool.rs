@@ -201,7 +201,7 @@ fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
         samples: frame.samples,
         width: frame.width,
         height: frame.height,
-        estimated_error: None,
+        estimated_error: frame.stats.estimated_error.filter(|e| e.is_finite()),
         render_micros: frame.render_micros,
         encode_micros: u32::try_from(time.as_micros()).unwrap_or(u32::MAX),
         payload_length,

@@ -4,6 +4,7 @@
 //! nothing is. Memory is known and checked before it is allocated. [`read`] takes any file by its
 //! ending; each format's module takes bytes.
 
+mod atlas;
 mod brick;
 mod compression;
 mod cursor;
@@ -12,18 +13,25 @@ mod error;
 mod file;
 mod grid;
 mod limits;
+mod noise;
 pub mod npy;
 pub mod npz;
 pub mod nvdb;
 mod placement;
+mod procedural;
 pub mod raw;
 mod select;
 mod sparse;
 pub mod vdb;
 pub mod vol;
 
+pub use atlas::{
+    APRON_SIDE, ATLAS_BRICK_SAMPLES, ATLAS_BRICK_WORDS, AtlasLimits, BrickAtlas, EMPTY_BRICK,
+    MajorantGrid, decode_sample,
+};
 pub use brick::{BRICK_SIDE, BRICK_VOXELS, Brick};
 pub use error::VolumeError;
 pub use file::{ENDINGS, ReadOptions, read};
 pub use grid::{Grid, GridBuilder, VoxelReport};
 pub use limits::VolumeLimits;
+pub use procedural::{Pattern, Procedural};

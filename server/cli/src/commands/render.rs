@@ -8,8 +8,10 @@ use std::time::Instant;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use tyndall_picture::{Metadata, scene_hash};
 use tyndall_render::{Device, Renderer};
 use tyndall_scene::StopRule;
+use tyndall_scene::description::render::Technique;
 
 use crate::output::{self, Format};
 use crate::scene_argument::{self, DeviceArguments};
@@ -19,7 +21,7 @@ use crate::scene_argument::{self, DeviceArguments};
 pub struct Render {
     /// Preset, .json scene, or bare .gltf, .glb or .obj model.
     scene: String,
-    /// File to write: .exr holds linear radiance and transmittance, .png the displayed picture.
+    /// File to write: .exr holds linear radiance and all other layers, .png the displayed picture.
     #[arg(short, long)]
     output: PathBuf,
     /// Width in pixels; the scene's without it.
@@ -28,12 +30,18 @@ pub struct Render {
     /// Height in pixels; the scene's without it.
     #[arg(long)]
     height: Option<u32>,
+    /// What transports the light, by its JSON name; the scene's without it.
+    #[arg(long, value_parser = scene_argument::technique)]
+    technique: Option<Technique>,
     /// Samples a pixel.
-    #[arg(long, conflicts_with = "time")]
+    #[arg(long, group = "stop")]
     samples: Option<u32>,
-    /// Seconds of rendering.
-    #[arg(long, allow_negative_numbers = true)]
+    /// Time of rendering: 10, 10s, 500ms or 2m.
+    #[arg(long, group = "stop", allow_negative_numbers = true, value_parser = scene_argument::seconds)]
     time: Option<f64>,
+    /// Estimated relative error to reach, 0.01 for 1 %.
+    #[arg(long, group = "stop", allow_negative_numbers = true)]
+    error: Option<f64>,
     /// Seed of every random number.
     #[arg(long)]
     seed: Option<u64>,
@@ -66,7 +74,17 @@ impl Render {
         })?;
         let seconds = started.elapsed().as_secs_f64();
         bar.finish_and_clear();
-        output::write(&self.output, format, &scene, &still)
+        let adapter = renderer.adapter();
+        let metadata = Metadata {
+            scene: scene.name.clone(),
+            scene_hash: scene_hash(&loaded.description)?,
+            technique: scene_argument::technique_name(loaded.description.render.technique),
+            seed: scene.render.seed,
+            samples: still.frame.samples,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            adapter: format!("{} ({})", adapter.name, adapter.driver),
+        };
+        output::write(&self.output, format, &still, &metadata)
             .with_context(|| format!("cannot write {}", self.output.display()))?;
         if !self.quiet {
             let mut err = std::io::stderr().lock();
@@ -96,10 +114,11 @@ impl Render {
         render.width = self.width.unwrap_or(render.width);
         render.height = self.height.unwrap_or(render.height);
         render.seed = self.seed.unwrap_or(render.seed);
-        if self.samples.is_some() || self.time.is_some() {
+        render.technique = self.technique.unwrap_or(render.technique);
+        if self.samples.is_some() || self.time.is_some() || self.error.is_some() {
             render.samples = self.samples;
             render.time_seconds = self.time;
-            render.relative_error = None;
+            render.relative_error = self.error;
         }
         let edit = tyndall_scene::SceneEdit {
             render: Some(render),

@@ -6,13 +6,13 @@ mod png;
 use std::path::Path;
 
 use anyhow::bail;
+use tyndall_picture::Metadata;
 use tyndall_render::Still;
-use tyndall_scene::Scene;
 
 /// File format, by extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Linear radiance and transmittance, 32-bit float.
+    /// Every layer the renderer yields, linear, 32-bit float.
     Exr,
     /// Displayed picture, 8-bit sRGB.
     Png,
@@ -30,10 +30,15 @@ impl Format {
 }
 
 /// Writes `still`; the file appears under its name only when it is complete.
-pub fn write(path: &Path, format: Format, scene: &Scene, still: &Still) -> anyhow::Result<()> {
+pub fn write(
+    path: &Path,
+    format: Format,
+    still: &Still,
+    metadata: &Metadata,
+) -> anyhow::Result<()> {
     let partial = path.with_extension("partial");
     let written = match format {
-        Format::Exr => exr::write(&partial, scene, still),
+        Format::Exr => exr::write(&partial, still, metadata),
         Format::Png => png::write(&partial, still),
     };
     if let Err(error) = written {

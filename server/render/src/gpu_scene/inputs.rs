@@ -4,7 +4,7 @@ use glam::{DVec3, DVec4};
 use tyndall_scene::{Camera, Light, MediumOrder, Scene, SceneFacts, ShadowMode};
 use tyndall_shaders::types;
 
-use super::{GpuGeometry, Origin, instance_values, light_values, medium_values};
+use super::{GpuAssets, Origin, all_medium_values, instance_values, light_values};
 use crate::device::Device;
 use crate::readback::statistics_scale;
 use crate::slices::Slice;
@@ -21,6 +21,7 @@ pub(crate) struct Inputs {
     pub instances: wgpu::Buffer,
     pub lights: wgpu::Buffer,
     pub media: wgpu::Buffer,
+    pub grids: wgpu::Buffer,
     pub statistics: wgpu::Buffer,
     pub slice: wgpu::Buffer,
 }
@@ -61,6 +62,11 @@ impl Inputs {
                 scene.media.len().max(1) * size_of::<types::Medium>(),
                 none,
             ),
+            grids: buffer(
+                "grids",
+                scene.media.len().max(1) * size_of::<types::Grid>(),
+                none,
+            ),
             statistics: buffer(
                 "statistics",
                 size_of::<types::Statistics>(),
@@ -81,7 +87,7 @@ impl Inputs {
         &self,
         device: &Device,
         scene: &Scene,
-        geometry: &GpuGeometry,
+        assets: &GpuAssets,
         shadows: &ShadowMaps,
         mode: ShadowMode,
     ) {
@@ -91,7 +97,7 @@ impl Inputs {
                 device.queue.write_buffer(buffer, 0, bytes);
             }
         };
-        let instances = instance_values(&scene.geometry, &geometry.instance_order, origin);
+        let instances = instance_values(&scene.geometry, &assets.geometry.instance_order, origin);
         write(&self.instances, bytemuck::cast_slice(&instances));
         // A traced shadow needs no map: any view number says that the light casts shadows.
         let shadow_of = |i: usize, light: &Light| match mode {
@@ -106,12 +112,12 @@ impl Inputs {
             .map(|(i, light)| light_values(light, shadow_of(i, light), origin))
             .collect();
         write(&self.lights, bytemuck::cast_slice(&lights));
-        let media: Vec<_> = scene
-            .media
-            .iter()
-            .filter_map(|medium| medium_values(medium, origin))
-            .collect();
+        let media = all_medium_values(&scene.media, origin);
         write(&self.media, bytemuck::cast_slice(&media));
+        if let Some(grids) = &assets.grids {
+            let grids = grids.values(scene, origin);
+            write(&self.grids, bytemuck::cast_slice(&grids));
+        }
         shadows.upload(device, origin);
     }
 
@@ -150,6 +156,9 @@ pub(crate) fn frame_values(
 ) -> types::Frame {
     let camera = &scene.camera;
     let paths = &scene.render.reference;
+    let environment = scene.environment.as_ref();
+    let map = environment.and_then(|environment| environment.map.as_ref());
+    let turn = environment.map_or(0.0, |environment| environment.rotation);
     let limit = |most: Option<u32>| most.unwrap_or(1 << 30);
     let (right, up, forward) = basis(camera);
     let tan_y = (f64::from(camera.vertical_fov) / 2.0).tan();
@@ -180,10 +189,7 @@ pub(crate) fn frame_values(
         pixel_offset: sample.pixel_offset,
         sample_index: sample.sample_index,
         seed: (scene.render.seed ^ (scene.render.seed >> 32)) as u32,
-        background: scene
-            .environment
-            .as_ref()
-            .map_or([0.0; 3], |environment| environment.radiance),
+        background: environment.map_or([0.0; 3], |environment| environment.radiance),
         march_steps: sample.march_steps,
         march_jitter: scene.render.single_scattering.jitter.into(),
         exposure_scale: exposure_scale(camera.exposure_ev),
@@ -198,6 +204,8 @@ pub(crate) fn frame_values(
             MediumOrder::Multiple => types::ORDER_MULTIPLE,
         },
         max_events: MAX_EVENTS,
+        environment_size: map.map_or([0; 2], |map| [map.width, map.height]),
+        environment_turn: [turn.cos(), turn.sin()],
     }
 }
 

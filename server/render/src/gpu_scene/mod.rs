@@ -1,21 +1,27 @@
 //! A scene on the device: geometry shared by every view of it, and the camera-relative values of one
 //! view. Positions are subtracted from the camera in f64 before they become f32.
 
+mod assets;
 mod bvh;
+mod environment;
 mod geometry;
+mod grids;
 mod inputs;
 mod materials;
 mod textures;
 mod triangles;
 mod values;
 
+pub(crate) use assets::{AssetCache, GpuAssets};
 pub(crate) use bvh::GpuBvh;
 #[cfg(feature = "probe")]
 pub(crate) use bvh::bvh_parts;
+pub(crate) use environment::GpuEnvironment;
 pub(crate) use geometry::{Draw, DrawClass, GpuGeometry, VERTEX_LAYOUT};
+pub(crate) use grids::GpuGrids;
 #[cfg(feature = "probe")]
 pub(crate) use inputs::frame_values;
 pub(crate) use inputs::{Inputs, SampleValues};
 pub(crate) use textures::{TextureArrays, TextureKind};
 pub(crate) use triangles::GpuTriangles;
-pub(crate) use values::{Origin, instance_values, light_values, medium_values};
+pub(crate) use values::{Origin, all_medium_values, instance_values, light_values};

@@ -81,8 +81,8 @@ pub(crate) fn light_values(
     value
 }
 
-/// A medium, or `None` for a shape that is not analytic.
-pub(crate) fn medium_values(medium: &Medium, origin: Origin) -> Option<types::Medium> {
+/// A medium; `grid` is its place among the grids, if it is one.
+pub(crate) fn medium_values(medium: &Medium, grid: u32, origin: Origin) -> types::Medium {
     let mut value = types::Medium {
         sigma_s: medium.sigma_s,
         sigma_t: std::array::from_fn(|i| medium.sigma_s[i] + medium.sigma_a[i]),
@@ -115,12 +115,28 @@ pub(crate) fn medium_values(medium: &Medium, origin: Origin) -> Option<types::Me
             value.center = origin.relative(*center);
             value.radius = *radius as f32;
         }
-        MediumShape::Grid { .. } => return None,
+        MediumShape::Grid { .. } => {
+            value.shape = types::MEDIUM_GRID;
+            value.grid = grid;
+        }
     }
     if let Some(bounds) = bounded {
         value.bounded = 1;
         value.bounds_min = origin.relative(bounds.min);
         value.bounds_max = origin.relative(bounds.max);
     }
-    Some(value)
+    value
+}
+
+/// All media of a scene.
+pub(crate) fn all_medium_values(media: &[Medium], origin: Origin) -> Vec<types::Medium> {
+    let mut grids = 0;
+    media
+        .iter()
+        .map(|medium| {
+            let value = medium_values(medium, grids, origin);
+            grids += u32::from(value.shape == types::MEDIUM_GRID);
+            value
+        })
+        .collect()
 }

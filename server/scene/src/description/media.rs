@@ -18,6 +18,8 @@ tagged_union! {
         "sphere" => Sphere(SphereMedium),
         /// A voxel grid in a file.
         "grid" => Grid(GridMedium),
+        /// A voxel grid made from noise; no file.
+        "procedural" => Procedural(ProceduralMedium),
     }
 }
 
@@ -120,10 +122,47 @@ medium_kind! {
         /// `.vdb`, `.nvdb`, `.vol`, `.npy`, `.npz` or `.raw`, relative to the scene's folder and
         /// inside it.
         pub path: String,
+        /// Name of the grid in the file, where it holds several; `density` or the first one if
+        /// left out. At most 200 characters.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub grid: Option<String>,
+        /// Applied after the file's own placement; identity if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub transform: Option<Transform>,
+    }
+}
+
+medium_kind! {
+    /// A voxel grid made from noise, with values from 0 to 1. Before `transform` it stands on
+    /// y = 0, centred over the origin, and its longest side is 1 m.
+    pub struct ProceduralMedium {
+        /// What is made.
+        pub pattern: ProceduralPattern,
+        /// Another seed, another plume or cloud. Range: 0 to 2⁵³ − 1.
+        #[serde(default)]
+        #[ts(type = "number")]
+        pub seed: u64,
+        /// Voxels along the longest side. Range: 8 to 256.
+        #[serde(default = "resolution")]
+        pub resolution: u32,
+        /// Octaves of noise, each of twice the frequency of the one before. Range: 1 to 8.
+        #[serde(default = "octaves")]
+        pub octaves: u32,
         /// Placement; identity if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub transform: Option<Transform>,
     }
+}
+
+/// What a procedural grid shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(rename_all = "snake_case")]
+#[ts(rename_all = "snake_case")]
+pub enum ProceduralPattern {
+    /// Smoke that rises, widens and rolls: 2/3 × 1 × 2/3 m.
+    SmokePlume,
+    /// A cumulus with a flat base: 1 × 5/8 × 1 m.
+    Cloud,
 }
 
 /// The members that all kinds of media have.
@@ -148,6 +187,7 @@ impl MediumDescription {
             Self::HeightFog(medium) => medium.coefficients(),
             Self::Sphere(medium) => medium.coefficients(),
             Self::Grid(medium) => medium.coefficients(),
+            Self::Procedural(medium) => medium.coefficients(),
         }
     }
 }
@@ -158,4 +198,12 @@ fn zero() -> Rgb {
 
 fn one() -> f64 {
     1.0
+}
+
+fn resolution() -> u32 {
+    128
+}
+
+fn octaves() -> u32 {
+    5
 }

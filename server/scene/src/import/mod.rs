@@ -1,6 +1,8 @@
 //! Geometry of a description: model files, inline meshes and primitives, all through one set of
 //! limits and one cleaning step.
 
+mod assets;
+mod environment;
 mod gltf;
 mod images;
 mod inline;
@@ -19,6 +21,9 @@ use crate::error::SceneError;
 use crate::files::Folder;
 use crate::limits::Limits;
 use crate::scene::{Geometry, Instance, Mesh};
+
+pub(crate) use assets::Assets;
+pub(crate) use transform::is_invertible;
 
 /// What the geometry of a description came to.
 #[derive(Debug)]
@@ -116,7 +121,7 @@ impl<'a> Importer<'a> {
         mesh: usize,
         world_from_object: DAffine3,
     ) -> Result<(), SceneError> {
-        if !transform::is_invertible(&world_from_object) {
+        if !is_invertible(&world_from_object) {
             let name = &self.geometry.meshes[mesh].name;
             let warning =
                 format!("{path}: a copy of mesh \"{name}\" is scaled to nothing: left out");

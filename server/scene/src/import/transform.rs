@@ -20,7 +20,7 @@ pub(super) fn affine(transform: Option<&Transform>) -> DAffine3 {
 }
 
 /// Whether a map is finite and its determinant is not lost in rounding.
-pub(super) fn is_invertible(map: &DAffine3) -> bool {
+pub(crate) fn is_invertible(map: &DAffine3) -> bool {
     let linear = &map.matrix3;
     let longest = [linear.x_axis, linear.y_axis, linear.z_axis]
         .map(DVec3::length)

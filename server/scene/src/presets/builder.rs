@@ -8,12 +8,16 @@ use glam::DVec3;
 use crate::description::camera::up;
 use crate::description::geometry::{BoxGeometry, MeshGeometry, QuadGeometry, SphereGeometry};
 use crate::description::lights::{
-    DirectionalLightDescription, PointLightDescription, SpotLightDescription,
+    DirectionalLightDescription, EnvironmentDescription, PointLightDescription,
+    SpotLightDescription,
 };
-use crate::description::media::{HeightFogMedium, HomogeneousMedium};
+use crate::description::media::{
+    HeightFogMedium, HomogeneousMedium, ProceduralMedium, ProceduralPattern,
+};
+use crate::description::render::Technique;
 use crate::description::{
     Bounds, CameraDescription, GeometryDescription, LightDescription, MaterialDescription,
-    MediumDescription, RenderDescription, Rgb, SceneDescription, VERSION,
+    MediumDescription, RenderDescription, Rgb, Scale, SceneDescription, Transform, VERSION,
 };
 
 /// A diffuse surface.
@@ -249,6 +253,16 @@ pub(super) fn sun(direction: [f64; 3], irradiance: [f64; 3]) -> LightDescription
     })
 }
 
+/// Equal radiance from everywhere. Unit of `radiance`: W·m⁻²·sr⁻¹.
+pub(super) fn sky(radiance: [f64; 3]) -> LightDescription {
+    LightDescription::Environment(EnvironmentDescription {
+        name: Some("sky".to_owned()),
+        radiance: Rgb(radiance),
+        map: None,
+        rotation_degrees: 0.0,
+    })
+}
+
 /// A point light. Unit of `intensity`: W·sr⁻¹.
 pub(super) fn point(name: &str, position: [f64; 3], intensity: [f64; 3]) -> LightDescription {
     LightDescription::Point(PointLightDescription {
@@ -317,4 +331,39 @@ pub(super) fn height_fog(
         origin: [0.0; 3],
         bounds: Some(bounds),
     })
+}
+
+/// A grid of a pattern whose longest side, `size`, is in metres; it stands on `foot`. Unit of
+/// `sigma_t`: m⁻¹.
+pub(super) fn procedural(
+    pattern: ProceduralPattern,
+    foot: [f64; 3],
+    size: f64,
+    [sigma_t, albedo, g]: [f64; 3],
+) -> MediumDescription {
+    MediumDescription::Procedural(ProceduralMedium {
+        name: None,
+        sigma_s: None,
+        sigma_a: None,
+        sigma_t: Some(Rgb::grey(sigma_t)),
+        albedo: Some(Rgb::grey(albedo)),
+        g,
+        emission: Rgb::grey(0.0),
+        density_scale: 1.0,
+        pattern,
+        seed: 0,
+        resolution: 128,
+        octaves: 5,
+        transform: Some(Transform {
+            translation: foot,
+            scale: Scale([size; 3]),
+            ..Transform::default()
+        }),
+    })
+}
+
+/// The scene under the path tracer: it alone knows light from a sky.
+pub(super) fn by_reference(mut scene: SceneDescription) -> SceneDescription {
+    scene.render.technique = Technique::Reference;
+    scene
 }

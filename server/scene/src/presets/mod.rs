@@ -5,8 +5,10 @@
 //! 0.18 · 2^−EV.
 
 mod builder;
+mod cloud;
 mod fogged_hall;
 mod light_shafts;
+mod smoke_plume;
 mod street_night;
 
 use crate::description::SceneDescription;
@@ -47,6 +49,16 @@ const PRESETS: &[PresetInfo] = &[
         title: "Street at night",
         summary: "Street lamps and lit windows in fog that thins out with height.",
     },
+    PresetInfo {
+        name: "smoke_plume",
+        title: "Smoke plume",
+        summary: "Smoke rolls out of a chimney into a low sun: a voxel grid made from noise.",
+    },
+    PresetInfo {
+        name: "cloud",
+        title: "Cloud",
+        summary: "A cumulus over fields: dense, almost without absorption, strongly forward.",
+    },
 ];
 
 /// All presets, the default first.
@@ -62,6 +74,8 @@ pub fn description(name: &str) -> Option<SceneDescription> {
         // A test parses it: it is always there.
         "cornell_fog" => SceneDescription::from_json(include_str!("cornell_fog.json")).ok(),
         "street_night" => Some(street_night::description()),
+        "smoke_plume" => Some(smoke_plume::description()),
+        "cloud" => Some(cloud::description()),
         _ => None,
     }
 }

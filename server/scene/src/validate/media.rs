@@ -1,9 +1,14 @@
 //! Rules of media.
 
+use glam::{DAffine3, DVec3};
+use tyndall_volume::{ENDINGS, Grid, Procedural};
+
 use super::rules;
 use crate::description::MediumDescription;
 use crate::description::media::Coefficients;
+use crate::description::{Rgb, Transform};
 use crate::error::SceneError;
+use crate::import::is_invertible;
 use crate::json_path::JsonPath;
 
 /// Largest coefficient. Unit: m⁻¹.
@@ -16,8 +21,6 @@ const DENSITY: f64 = 1e6;
 const FALLOFF: f64 = 1e3;
 /// Largest exponent of height fog inside its bounds or at the camera; e⁶⁰ · σ stays finite.
 const EXPONENT: f64 = 60.0;
-/// Endings of density grids.
-const GRIDS: &[&str] = &["vdb", "nvdb", "vol", "npy", "npz", "raw"];
 
 pub(super) fn check(medium: &MediumDescription, path: &JsonPath) -> Result<(), SceneError> {
     coefficients(&medium.coefficients(), path)?;
@@ -57,13 +60,84 @@ pub(super) fn check(medium: &MediumDescription, path: &JsonPath) -> Result<(), S
             rules::range(&path.field("radius"), medium.radius, 1e-6, 1e6)
         }
         MediumDescription::Grid(medium) => {
-            rules::file(&path.field("path"), &medium.path, GRIDS)?;
-            match &medium.transform {
-                Some(transform) => rules::transform(&path.field("transform"), transform),
-                None => Ok(()),
+            rules::file(&path.field("path"), &medium.path, &ENDINGS)?;
+            if let Some(name) = &medium.grid {
+                rules::name(&path.field("grid"), name)?;
             }
+            optional_transform(path, medium.transform.as_ref())
+        }
+        MediumDescription::Procedural(medium) => {
+            rules::whole(&path.field("seed"), medium.seed, 0, rules::SEED)?;
+            let within = |name, value: u32, range: std::ops::RangeInclusive<u32>| {
+                let (low, high) = (u64::from(*range.start()), u64::from(*range.end()));
+                rules::whole(&path.field(name), u64::from(value), low, high)
+            };
+            within("resolution", medium.resolution, Procedural::RESOLUTION)?;
+            within("octaves", medium.octaves, Procedural::OCTAVES)?;
+            optional_transform(path, medium.transform.as_ref())
         }
     }
+}
+
+fn optional_transform(path: &JsonPath, transform: Option<&Transform>) -> Result<(), SceneError> {
+    transform.map_or(Ok(()), |transform| {
+        rules::transform(&path.field("transform"), transform)
+    })
+}
+
+/// Rules of a medium that depend on what its grid holds and where the file places it.
+pub(crate) fn placed_grid(
+    medium: &MediumDescription,
+    path: &JsonPath,
+    grid: &Grid,
+    world_from_lattice: &DAffine3,
+) -> Result<(), SceneError> {
+    let corners = crate::facts::box_corners(grid.clip[0], grid.clip[1])
+        .map(|corner| world_from_lattice.transform_point3(corner));
+    let near = |corner: &DVec3| corner.abs().max_element() <= rules::COORDINATE;
+    if !is_invertible(world_from_lattice) || !corners.iter().all(near) {
+        return Err(SceneError::invalid(
+            path.field("transform"),
+            "a grid that is flattened, or reaches beyond the coordinates",
+            format!(
+                "an invertible placement within ±{} m",
+                rules::shown(rules::COORDINATE)
+            ),
+        ));
+    }
+    let coefficients = medium.coefficients();
+    let most = f64::from(grid.max());
+    let highest = |given: &[Option<Rgb>]| {
+        let sum = (0..3).map(|c| given.iter().flatten().map(|Rgb(rgb)| rgb[c]).sum());
+        sum.fold(0.0, f64::max)
+    };
+    let sigma_t = match coefficients.sigma_t {
+        Some(sigma_t) => highest(&[Some(sigma_t)]),
+        None => highest(&[coefficients.sigma_s, coefficients.sigma_a]),
+    };
+    for (what, unit, value, limit) in [
+        ("extinction", "m⁻¹", sigma_t, SIGMA),
+        (
+            "emission",
+            "W·m⁻³·sr⁻¹",
+            highest(&[Some(coefficients.emission)]),
+            rules::RADIANCE,
+        ),
+    ] {
+        let densest = value * most;
+        if densest * coefficients.density_scale > limit {
+            return Err(SceneError::invalid(
+                path.field("density_scale"),
+                format!(
+                    "{}, which makes the {what} {:.3e} {unit} at the largest voxel, {most:e}",
+                    rules::found(coefficients.density_scale),
+                    densest * coefficients.density_scale
+                ),
+                format!("at most {:e}, for {}", limit / densest, rules::shown(limit)),
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// One of the two pairs, whole and in range.
@@ -114,7 +188,7 @@ fn highest_exponent(
     origin: [f64; 3],
     bounds: &crate::description::Bounds,
 ) -> f64 {
-    let up = glam::DVec3::from_array(up);
+    let up = DVec3::from_array(up);
     let up = up / up.length();
     let lowest: f64 = (0..3)
         .map(|i| {

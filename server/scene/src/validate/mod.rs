@@ -16,6 +16,7 @@ use crate::json_path::JsonPath;
 use crate::limits::Limits;
 
 pub(crate) use infinite::light_can_arrive;
+pub(crate) use media::placed_grid;
 
 /// Checks a whole description; reads no file.
 pub(crate) fn description(scene: &SceneDescription, limits: &Limits) -> Result<(), SceneError> {

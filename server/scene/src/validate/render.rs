@@ -7,13 +7,11 @@ use crate::json_path::JsonPath;
 
 /// Largest side of a picture. Unit: pixel.
 const SIDE: u64 = 16_384;
-/// Largest seed that every JSON reader keeps exactly.
-const SEED: u64 = (1 << 53) - 1;
 
 pub(super) fn check(render: &RenderDescription, path: &JsonPath) -> Result<(), SceneError> {
     rules::whole(&path.field("width"), render.width.into(), 1, SIDE)?;
     rules::whole(&path.field("height"), render.height.into(), 1, SIDE)?;
-    rules::whole(&path.field("seed"), render.seed, 0, SEED)?;
+    rules::whole(&path.field("seed"), render.seed, 0, rules::SEED)?;
 
     let rules_given = [
         ("samples", render.samples.is_some()),

@@ -7,6 +7,8 @@ use crate::json_path::JsonPath;
 
 /// Largest magnitude of a coordinate; keeps every square and product finite in `f32`. Unit: m.
 pub(super) const COORDINATE: f64 = 1e7;
+/// Largest seed: every JSON reader keeps it exactly.
+pub(super) const SEED: u64 = (1 << 53) - 1;
 /// Shortest vector that has a direction.
 pub(super) const SHORTEST: f64 = 1e-6;
 /// Longest name. Unit: character.

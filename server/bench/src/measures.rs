@@ -1,0 +1,41 @@
+//! Every measure of one picture against the truths that are known.
+
+use serde::Serialize;
+use tyndall_metrics::{
+    Comparison, FlipMap, Image, MetricError, PIXELS_PER_DEGREE, hdr_flip, ldr_flip,
+};
+use tyndall_picture::exposed;
+
+/// Every measure of one picture against one truth.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measures {
+    /// Of radiance.
+    #[serde(flatten)]
+    pub radiance: Comparison,
+    /// Mean LDR-FLIP of the displayed pictures, at the scene's exposure. Range: [0, 1].
+    pub ldr_flip: f64,
+}
+
+impl Measures {
+    /// Measures `image` against `truth`.
+    pub(crate) fn of(image: &Image, truth: &Image, exposure_ev: f32) -> Result<Self, MetricError> {
+        let shown =
+            |image: &Image| Image::new(image.width(), image.height(), exposed(image, exposure_ev));
+        let flip = ldr_flip(&shown(image)?, &shown(truth)?, PIXELS_PER_DEGREE)?;
+        Ok(Self {
+            radiance: Comparison::of(image, truth)?,
+            ldr_flip: flip.mean(),
+        })
+    }
+
+    /// The error that plots and efficiencies use: relRMSE without the worst 0.1 % of pixels, the
+    /// truth's own variance taken off.
+    pub fn error(&self) -> f64 {
+        self.radiance.error()
+    }
+}
+
+/// FLIP error picture, pixel by pixel.
+pub(crate) fn error_map(image: &Image, truth: &Image) -> Result<FlipMap, MetricError> {
+    Ok(hdr_flip(image, truth, PIXELS_PER_DEGREE)?.map)
+}

@@ -1,0 +1,60 @@
+//! Pictures side by side: each truth, each technique, and where they are seen to differ.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use tyndall_metrics::{Image, magma};
+use tyndall_picture::{display, encode_png};
+
+use super::escape;
+use crate::error::BenchError;
+use crate::ladder::Claim;
+use crate::measures::error_map;
+use crate::suite::SceneResult;
+
+/// All pictures of a scene; each technique against the truth of its claim.
+pub(super) fn strip(scene: &SceneResult) -> Result<String, BenchError> {
+    let mut text = String::new();
+    for claim in [Claim::Whole, Claim::OneScattering] {
+        let truth = scene.truths.iter().find(|(known, ..)| *known == claim);
+        let exhibits: Vec<_> = scene
+            .exhibits
+            .iter()
+            .filter(|exhibit| exhibit.claim == claim)
+            .collect();
+        if exhibits.is_empty() && truth.is_none() {
+            continue;
+        }
+        text += "<div class=\"strip\">\n";
+        if let Some((_, image, origin)) = truth {
+            let caption = format!("truth, {}: {origin}", claim.label());
+            text += &figure(&shown(image, scene.exposure_ev), image, &caption)?;
+        }
+        for exhibit in exhibits {
+            let image = &exhibit.image;
+            text += &figure(&shown(image, scene.exposure_ev), image, &exhibit.label)?;
+            if let Some((_, truth, _)) = truth {
+                let map = error_map(image, truth)?;
+                let pixels: Vec<[u8; 3]> = map.errors.iter().map(|e| magma(*e)).collect();
+                let caption = format!("{}: HDR-FLIP, mean {:.4}", exhibit.label, map.mean());
+                text += &figure(&pixels, image, &caption)?;
+            }
+        }
+        text += "</div>\n";
+    }
+    Ok(text)
+}
+
+fn shown(image: &Image, exposure_ev: f32) -> Vec<[u8; 3]> {
+    display(image, exposure_ev)
+}
+
+fn figure(pixels: &[[u8; 3]], image: &Image, caption: &str) -> Result<String, BenchError> {
+    let png = encode_png(image.width(), image.height(), pixels)?;
+    let caption = escape(caption);
+    Ok(format!(
+        "<figure><img alt=\"{caption}\" width=\"{}\" height=\"{}\" style=\"height:auto\" src=\"data:image/png;base64,{}\"><figcaption>{caption}</figcaption></figure>\n",
+        image.width(),
+        image.height(),
+        STANDARD.encode(png)
+    ))
+}

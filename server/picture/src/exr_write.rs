@@ -1,0 +1,92 @@
+//! Layers as `OpenEXR`: one part, 32-bit float, channels `R G B`, `variance.R` … `albedo.B`.
+//!
+//! The names follow `OpenEXR`'s convention of `layer.channel`, so viewers group them.
+
+use std::path::Path;
+
+use exr::error::Error;
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    Text, Vec2, WritableImage as _,
+};
+
+use crate::{Layers, Metadata, PictureError};
+
+/// Writes `layers` and `metadata` to `path`, lossless.
+///
+/// # Errors
+/// [`PictureError::Layer`] if a plane has another size, [`PictureError::Io`] or
+/// [`PictureError::Content`] if the file can't be written.
+pub fn write_exr(path: &Path, layers: &Layers, metadata: &Metadata) -> Result<(), PictureError> {
+    layers.check()?;
+    let mut channels = Channels::default();
+    channels.rgb(["R", "G", "B"], Some(&layers.beauty));
+    channels.grey("transmittance", layers.transmittance.as_ref());
+    channels.rgb(
+        ["variance.R", "variance.G", "variance.B"],
+        layers.variance.as_ref(),
+    );
+    channels.grey("samples", layers.samples.as_ref());
+    channels.grey("depth.Z", layers.depth.as_ref());
+    channels.rgb(["normal.X", "normal.Y", "normal.Z"], layers.normal.as_ref());
+    channels.rgb(["albedo.R", "albedo.G", "albedo.B"], layers.albedo.as_ref());
+
+    let mut attributes = LayerAttributes::named("tyndall");
+    attributes.software_name = Some(text(&format!("tyndall {}", metadata.version)));
+    for (name, value) in metadata.entries() {
+        let name = text(&format!("tyndall.{name}"));
+        // The format has no empty text.
+        if !value.is_empty() {
+            let value = AttributeValue::Text(text(&value));
+            attributes.other.insert(name, value);
+        }
+    }
+    let layer = Layer::new(
+        (layers.width as usize, layers.height as usize),
+        attributes,
+        Encoding::FAST_LOSSLESS,
+        AnyChannels::sort(channels.0.into_iter().collect()),
+    );
+    Image::from_layer(layer)
+        .write()
+        .to_file(path)
+        .map_err(|error| match error {
+            Error::Io(source) => PictureError::io(path, source),
+            other => PictureError::content(path, other),
+        })
+}
+
+/// The format's text has one byte a character: others become question marks.
+fn text(value: &str) -> Text {
+    let latin = |c: char| if (c as u32) < 256 { c } else { '?' };
+    Text::from(value.chars().map(latin).collect::<String>().as_str())
+}
+
+/// Channels gathered so far.
+#[derive(Default)]
+struct Channels(Vec<AnyChannel<FlatSamples>>);
+
+impl Channels {
+    fn grey(&mut self, name: &str, plane: Option<&Vec<f32>>) {
+        if let Some(plane) = plane {
+            self.add(name, plane.clone());
+        }
+    }
+
+    fn rgb(&mut self, names: [&str; 3], plane: Option<&Vec<[f32; 3]>>) {
+        if let Some(plane) = plane {
+            for (c, name) in names.into_iter().enumerate() {
+                self.add(name, plane.iter().map(|pixel| pixel[c]).collect());
+            }
+        }
+    }
+
+    fn add(&mut self, name: &str, values: Vec<f32>) {
+        self.0.push(AnyChannel {
+            name: Text::from(name),
+            sample_data: FlatSamples::F32(values),
+            quantize_linearly: false,
+            sampling: Vec2(1, 1),
+        });
+    }
+}

@@ -1,0 +1,114 @@
+//! What views of one scene share on the device: geometry, grids, environment. Found by identity, so a
+//! scene that differs in camera, lights or coefficients only uploads nothing of it again.
+
+use std::sync::{Arc, Weak};
+
+use glam::DVec3;
+use tyndall_scene::{Scene, Technique};
+
+use super::{GpuEnvironment, GpuGeometry, GpuGrids};
+use crate::device::Device;
+use crate::error::RenderError;
+use crate::programs::Bindings;
+
+/// The shared parts of one scene.
+#[derive(Debug, Clone)]
+pub(crate) struct GpuAssets {
+    pub geometry: Arc<GpuGeometry>,
+    /// Only where paths are traced: no other pass reads grids.
+    pub grids: Option<Arc<GpuGrids>>,
+    /// Only where paths are traced: no other pass reads it.
+    pub environment: Option<Arc<GpuEnvironment>>,
+}
+
+impl GpuAssets {
+    /// Adds what passes read of them.
+    pub fn bind<'a>(&'a self, bindings: &mut Bindings<'a>) {
+        self.geometry.bind(bindings);
+        if let Some(grids) = &self.grids {
+            grids.bind(bindings);
+        }
+        if let Some(environment) = &self.environment {
+            environment.bind(bindings);
+        }
+    }
+}
+
+/// Parts that some view still uses.
+#[derive(Debug, Default)]
+pub(crate) struct AssetCache {
+    geometries: Vec<Weak<GpuGeometry>>,
+    grids: Vec<Weak<GpuGrids>>,
+    environments: Vec<Weak<GpuEnvironment>>,
+}
+
+impl AssetCache {
+    /// The parts of a scene, uploaded where no view has them.
+    pub fn assets(&mut self, device: &Device, scene: &Scene) -> Result<GpuAssets, RenderError> {
+        let geometry = self.geometry(device, scene)?;
+        let traced = scene.render.technique == Technique::Reference;
+        Ok(GpuAssets {
+            geometry,
+            grids: traced
+                .then(|| {
+                    find_or(
+                        &mut self.grids,
+                        |known| known.serve(scene),
+                        || GpuGrids::upload(device, scene),
+                    )
+                })
+                .transpose()?
+                .flatten(),
+            environment: traced
+                .then(|| {
+                    find_or(
+                        &mut self.environments,
+                        |known| known.serves(scene),
+                        || GpuEnvironment::upload(device, scene),
+                    )
+                })
+                .transpose()?
+                .flatten(),
+        })
+    }
+
+    fn geometry(
+        &mut self,
+        device: &Device,
+        scene: &Scene,
+    ) -> Result<Arc<GpuGeometry>, RenderError> {
+        let upload = || {
+            let anchor = tyndall_scene::facts(scene)
+                .surface_bounds
+                .map_or(DVec3::ZERO, |bounds| 0.5 * (bounds.min + bounds.max));
+            GpuGeometry::upload(device, &scene.geometry, anchor).map(Some)
+        };
+        let found = find_or(
+            &mut self.geometries,
+            |known| known.source == scene.geometry,
+            upload,
+        )?;
+        found.ok_or_else(|| RenderError::Refused("no geometry".into()))
+    }
+}
+
+/// The known part that `serves`, or a new one.
+fn find_or<T>(
+    known: &mut Vec<Weak<T>>,
+    serves: impl Fn(&T) -> bool,
+    upload: impl FnOnce() -> Result<Option<T>, RenderError>,
+) -> Result<Option<Arc<T>>, RenderError> {
+    known.retain(|part| part.strong_count() > 0);
+    let found = known
+        .iter()
+        .filter_map(Weak::upgrade)
+        .find(|part| serves(part));
+    if found.is_some() {
+        return Ok(found);
+    }
+    let uploaded = upload()?.map(Arc::new);
+    if let Some(part) = &uploaded {
+        known.push(Arc::downgrade(part));
+    }
+    Ok(uploaded)
+}
