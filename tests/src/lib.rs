@@ -1,5 +1,6 @@
 //! Helpers shared by the tests across crates.
 
+pub mod chi_squared;
 pub mod conventions;
 pub mod estimate;
 pub mod gpu;
