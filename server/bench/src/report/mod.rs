@@ -62,9 +62,12 @@ fn scene(page: &mut String, scene: &SceneResult) -> Result<(), BenchError> {
         *page += &format!("<p class=\"remark\">{}</p>\n", escape(remark));
     }
     *page += "<div class=\"plots\">\n";
+    // A peer that was told to leave paths out is no rival here.
+    let restricted =
+        |row: &LadderRow| row.claim == Claim::OneScattering && row.technique.starts_with("mitsuba");
     let whole = |row: &LadderRow| {
         let error = row.whole.as_ref()?.error();
-        Some((error, row.pareto_whole))
+        (!restricted(row)).then_some((error, row.pareto_whole))
     };
     *page += &plot::plot("Against the whole", &scene.rows, &whole);
     let single = |row: &LadderRow| {
