@@ -1,6 +1,8 @@
 //! Helpers shared by the tests across crates.
 
+pub mod chi_squared;
 pub mod conventions;
+pub mod estimate;
 pub mod gpu;
 pub mod npz;
 pub use tyndall_bench::pm_ref;
