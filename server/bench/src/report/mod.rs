@@ -135,9 +135,9 @@ fn rows_table(scene: &SceneResult) -> String {
             number(passes, 2),
         );
         // Writing to a string can't fail.
-        write!(
+        writeln!(
             line,
-            "<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}</tr>\n",
+            "<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}</tr>",
             number(claimed.map(crate::measures::Measures::error), 4),
             number(row.whole.as_ref().map(crate::measures::Measures::error), 4),
             number(claimed.map(|m| m.radiance.mean_ratio), 4),
