@@ -1,5 +1,7 @@
 //! Pearson's test of counts against expectations.
 
+#![allow(clippy::print_stdout, reason = "tests print what they measure")]
+
 /// A false alarm of one test is 2.1e-6 (4.6 standard deviations); of all fifty, 1e-4 (Šidák).
 pub const DEVIATIONS: f64 = 4.6;
 

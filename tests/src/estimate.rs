@@ -3,6 +3,8 @@
 //! A test asks for |found − expected| ≤ tolerance + 4 standard errors: noise alone crosses that once
 //! in 16,000 trials. The seeds are fixed, so a test that passed fails only if something changed.
 
+#![allow(clippy::print_stdout, reason = "tests print what they measure")]
+
 use std::sync::{LazyLock, Mutex, PoisonError};
 
 use serde_json::Value;

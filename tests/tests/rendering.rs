@@ -334,7 +334,7 @@ fn what_is_not_rendered_yet_is_refused_by_name() {
     let mut renderer = gpu::renderer();
     let cases = [
         (
-            json!({ "technique": "reference" }),
+            json!({ "technique": "instant_vpl" }),
             json!([]),
             "render.technique",
         ),

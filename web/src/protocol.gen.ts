@@ -262,7 +262,7 @@ input?: number, };
 /**
  * What the planner knows about a scene; see `SceneFacts` for the exact meanings.
  */
-export type Facts = { triangles: number, instances: number, textures: number, data_textures: number, alpha_masked_instances: number, emissive_triangles: number, point_lights: number, spot_lights: number, directional_lights: number, environment: boolean, media: number, grids: number, heterogeneous: boolean, scatters: boolean, medium_emits: boolean, anisotropic: boolean, max_abs_g: number, max_albedo: number, 
+export type Facts = { triangles: number, instances: number, textures: number, data_textures: number, alpha_masked_instances: number, emissive_triangles: number, point_lights: number, spot_lights: number, directional_lights: number, environment: boolean, environment_map: boolean, media: number, grids: number, heterogeneous: boolean, scatters: boolean, medium_emits: boolean, anisotropic: boolean, max_abs_g: number, max_albedo: number, 
 /**
  * An infinite thickness is the largest finite number: JSON knows no infinity.
  */
@@ -803,7 +803,7 @@ keyframes?: Array<TransformKeyframe>, };
 /**
  * Which paths the `reference` counts; all of them if nothing is said.
  *
- * A path camera → x₁ … x_k → light has k scatterings, on surfaces or in media.
+ * A path from the camera over k points to a light has k scatterings, on surfaces or in media.
  */
 export type Reference = { 
 /**

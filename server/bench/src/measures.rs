@@ -9,7 +9,7 @@ use tyndall_picture::exposed;
 /// Every measure of one picture against one truth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measures {
-    /// Of radiance.
+    /// Of radiance; z-scores only where the picture's own variance is known, too.
     #[serde(flatten)]
     pub radiance: Comparison,
     /// Mean LDR-FLIP of the displayed pictures, at the scene's exposure. Range: [0, 1].
@@ -22,8 +22,13 @@ impl Measures {
         let shown =
             |image: &Image| Image::new(image.width(), image.height(), exposed(image, exposure_ev));
         let flip = ldr_flip(&shown(image)?, &shown(truth)?, PIXELS_PER_DEGREE)?;
+        let mut radiance = Comparison::of(image, truth)?;
+        // Noise of unknown size would count as bias.
+        if image.variance().is_none() {
+            radiance.block_z = None;
+        }
         Ok(Self {
-            radiance: Comparison::of(image, truth)?,
+            radiance,
             ldr_flip: flip.mean(),
         })
     }

@@ -139,7 +139,7 @@ impl Suite {
         }
         if let Some(options) = &self.peer {
             progress(&format!("{}: mitsuba", subject.name));
-            let scene = self.scene(subject, size, None)?;
+            let scene = Self::scene(subject, size, None)?;
             let pictures = peer::run(options, &scene, &mut result.remarks)?;
             for picture in pictures {
                 Self::add_peer(subject, &scene, picture, &truths, &machine, &mut result)?;
@@ -162,7 +162,7 @@ impl Suite {
         machine: &Machine,
         truths: &[(Claim, Truth)],
     ) -> Result<(LadderRow, Image), BenchError> {
-        let scene = self.scene(subject, size, Some(rung))?;
+        let scene = Self::scene(subject, size, Some(rung))?;
         let budget = Duration::from_secs_f64(self.row_seconds);
         let shot = shoot(renderer, &scene, rung.samples, budget)?;
         let claim = Claim::of(rung.technique);
@@ -240,7 +240,6 @@ impl Suite {
 
     /// The scene with a rung's settings.
     fn scene(
-        &self,
         subject: &Subject,
         (width, height): (u32, u32),
         rung: Option<Rung>,

@@ -66,7 +66,14 @@ fn a_wrong_command_line_is_exit_code_2() {
 
 #[test]
 fn check_accepts_every_preset_and_names_what_is_wrong_with_a_file() {
-    for preset in ["fogged_hall", "light_shafts", "cornell_fog", "street_night"] {
+    for preset in [
+        "fogged_hall",
+        "light_shafts",
+        "cornell_fog",
+        "street_night",
+        "smoke_plume",
+        "cloud",
+    ] {
         let output = tyndall(&["check", preset]);
         assert!(output.status.success(), "{preset}: {}", stderr(&output));
         assert!(text(&output).contains("valid"));
@@ -85,7 +92,7 @@ fn check_accepts_every_preset_and_names_what_is_wrong_with_a_file() {
     refused(&["check", &path], &["scene.json"]);
     let path = scene_file(
         &folder,
-        "{ \"version\": 1, \"camera\": { \"position\": [0,0,0], \"target\": [0,0,-1] }, \"render\": { \"technique\": \"reference\" } }",
+        "{ \"version\": 1, \"camera\": { \"position\": [0,0,0], \"target\": [0,0,-1] }, \"render\": { \"technique\": \"instant_vpl\" } }",
     );
     refused(&["check", &path], &["not rendered yet", "render.technique"]);
 }

@@ -137,7 +137,7 @@ impl Image {
     }
 
     /// Samples the stop rule allows in all.
-    pub fn most_samples(&self, stop: StopRule) -> u32 {
+    pub fn most_samples(stop: StopRule) -> u32 {
         match stop {
             StopRule::Samples(target) => target,
             StopRule::Seconds(_) | StopRule::RelativeError(_) => u32::MAX,

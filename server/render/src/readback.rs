@@ -47,7 +47,7 @@ pub struct FinishedFrame {
     /// From the start of recording to the picture being on the CPU. Unit: µs.
     pub render_micros: u32,
     /// Pixel samples of the reference's slice.
-    pub(crate) units: u64,
+    pub units: u64,
 }
 
 /// Numbers about a frame, measured on the device.

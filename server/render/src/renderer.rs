@@ -10,7 +10,7 @@ use crate::engine::Recording;
 use crate::error::RenderError;
 use crate::frame;
 use crate::gpu_scene::{AssetCache, SampleValues};
-use crate::image::Work;
+use crate::image::{Image, Work};
 use crate::plan::{PassKind, PlanLimits, march_steps};
 use crate::programs::{Constants, Programs};
 use crate::readback::{FrameMeta, statistics_scale, wait};
@@ -136,7 +136,7 @@ impl Renderer {
         }
         let (width, height) = view.size();
         let slice = (work == Work::Sample && view.plan.runs(PassKind::Reference)).then(|| {
-            let most = view.image.most_samples(stop);
+            let most = Image::most_samples(stop);
             view.slices
                 .next((width, height), view.image.samples(), most)
         });

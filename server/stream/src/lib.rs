@@ -8,6 +8,7 @@
 //! No GPU, no network, no clock: the service brings those.
 
 pub mod encode;
+mod facts;
 pub mod header;
 pub mod pacing;
 pub mod protocol;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde_json::json;
 use tyndall_tests::estimate::{self, Estimate};
 
-/// σ_t, albedo, g, distance along the ray to the light and its distance from the ray, end of the ray.
+/// `σ_t`, albedo, g, distance along the ray to the light and its distance from the ray, end of the ray.
 struct Airlight {
     sigma_t: f64,
     albedo: f64,

@@ -5,6 +5,9 @@ use std::f64::consts::PI;
 use serde_json::{Value, json};
 use tyndall_tests::estimate::{self, Estimate};
 
+/// JSON of three channels' coefficients, or of one of them thrice.
+type Coefficients<'a> = &'a dyn Fn([f64; 3]) -> Value;
+
 fn room(media: &Value, lights: &Value, samples: u32, seed: u32) -> Estimate {
     Estimate::of_pixels(&estimate::render(&json!({
         "version": 1,
@@ -30,7 +33,7 @@ fn assert_channels(
     name: &str,
     lights: &Value,
     samples: u32,
-    medium: &dyn Fn(&dyn Fn([f64; 3]) -> Value) -> Value,
+    medium: &dyn Fn(Coefficients<'_>) -> Value,
 ) {
     let coloured = room(&medium(&|v| json!(v)), lights, samples, 1);
     for c in 0..3 {

@@ -24,6 +24,7 @@ pub const COUNT: usize = 1 << 17;
 
 /// Samplers of `probes/sampling.wesl`.
 #[derive(Debug, Clone, Copy)]
+#[allow(missing_docs, reason = "named as the shader's functions")]
 pub enum Which {
     Cosine,
     HenyeyGreenstein,
@@ -46,6 +47,7 @@ pub fn sample(which: Which, seed: u32, parameters: [[f32; 4]; 3]) -> Vec<[[f32; 
 /// A unit axis that is none of the coordinates'.
 pub const AXIS: Vec3 = Vec3::new(0.36, -0.48, 0.8);
 
+/// `v` with a fourth component.
 pub fn with(v: Vec3, w: f32) -> [f32; 4] {
     v.extend(w).to_array()
 }

@@ -6,9 +6,9 @@
 
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DAffine3, DMat3, DVec3};
 use serde_json::{Value, json};
-use tyndall_scene::{Aabb, Environment, Light, Medium, MediumShape, Scene};
+use tyndall_scene::{Aabb, Environment, Light, Medium, MediumShape, Scene, SharedGrid};
 
 use crate::error::BenchError;
 
@@ -266,7 +266,28 @@ fn medium(
             let file = files.floats(&file, values)?;
             (Some(bounds), Some((file, [BALL_VOXELS; 3], bounds)))
         }
-        MediumShape::Grid { .. } => return Ok(Err("kind grid: its voxels are not loaded".into())),
+        MediumShape::Grid {
+            grid,
+            world_from_lattice,
+        } => {
+            let Some(bounds) = placed_box(grid, world_from_lattice) else {
+                return Ok(Err("a grid that is turned".into()));
+            };
+            let [low, high] = grid.clip;
+            let side = (high - low).round().max(DVec3::ONE).as_uvec3();
+            let step = (high - low) / side.as_dvec3();
+            let (nx, ny) = (side.x as usize, side.y as usize);
+            // At the middles of as many cells as there are voxels: those of a dense file, exactly.
+            let values = (0..nx * ny * side.z as usize).map(|i| {
+                let cell = DVec3::new((i % nx) as f64, (i / nx % ny) as f64, (i / nx / ny) as f64);
+                grid.sample(low + (cell + 0.5) * step) as f32
+            });
+            let file = files.floats(&file, values)?;
+            (
+                Some(bounds),
+                Some((file, [side.z as usize, ny, nx], bounds)),
+            )
+        }
     };
     let extinction: [f32; 3] = std::array::from_fn(|c| medium.sigma_s[c] + medium.sigma_a[c]);
     let albedo: [f32; 3] = std::array::from_fn(|c| {
@@ -293,6 +314,22 @@ fn medium(
         "grid": grid,
     });
     Ok(Ok((value, bounds)))
+}
+
+/// Where a grid's clip box lies, unless it is turned or mirrored.
+fn placed_box(grid: &SharedGrid, world_from_lattice: &DAffine3) -> Option<Aabb> {
+    let m = world_from_lattice.matrix3;
+    let scale = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
+    let rest = m - DMat3::from_diagonal(scale);
+    let turned = (0..3).any(|i| rest.col(i).abs().max_element() > 1e-9 * scale.max_element());
+    if turned || scale.cmple(DVec3::ZERO).any() {
+        return None;
+    }
+    let [low, high] = grid.clip;
+    Some(Aabb {
+        min: world_from_lattice.transform_point3(low),
+        max: world_from_lattice.transform_point3(high),
+    })
 }
 
 /// All corners of triangles, three a triangle.

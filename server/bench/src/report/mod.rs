@@ -62,9 +62,12 @@ fn scene(page: &mut String, scene: &SceneResult) -> Result<(), BenchError> {
         *page += &format!("<p class=\"remark\">{}</p>\n", escape(remark));
     }
     *page += "<div class=\"plots\">\n";
+    // A peer that was told to leave paths out is no rival here.
+    let restricted =
+        |row: &LadderRow| row.claim == Claim::OneScattering && row.technique.starts_with("mitsuba");
     let whole = |row: &LadderRow| {
         let error = row.whole.as_ref()?.error();
-        Some((error, row.pareto_whole))
+        (!restricted(row)).then_some((error, row.pareto_whole))
     };
     *page += &plot::plot("Against the whole", &scene.rows, &whole);
     let single = |row: &LadderRow| {
@@ -132,9 +135,9 @@ fn rows_table(scene: &SceneResult) -> String {
             number(passes, 2),
         );
         // Writing to a string can't fail.
-        write!(
+        writeln!(
             line,
-            "<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}</tr>\n",
+            "<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}</tr>",
             number(claimed.map(crate::measures::Measures::error), 4),
             number(row.whole.as_ref().map(crate::measures::Measures::error), 4),
             number(claimed.map(|m| m.radiance.mean_ratio), 4),

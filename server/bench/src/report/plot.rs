@@ -105,10 +105,11 @@ struct Point<'a> {
 /// Lines between rows that differ in samples only.
 fn lines(points: &[Point<'_>], x: &Axis, y: &Axis, color: &dyn Fn(&str) -> &'static str) -> String {
     let mut text = String::new();
-    for pair in points.windows(2) {
-        let [a, b] = pair else { continue };
-        let next = b.row.technique == a.row.technique && b.row.steps == a.row.steps;
-        if next {
+    for (i, a) in points.iter().enumerate() {
+        // A peer's rows alternate with its denoised ones.
+        let same =
+            |b: &&Point<'_>| b.row.technique == a.row.technique && b.row.steps == a.row.steps;
+        if let Some(b) = points[i + 1..].iter().find(same) {
             text += &format!(
                 "<path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"{}\" stroke-opacity=\".45\" stroke-width=\"1.5\"/>\n",
                 x.place(a.row.seconds),

@@ -27,17 +27,18 @@ pub(super) fn strip(scene: &SceneResult) -> Result<String, BenchError> {
         text += "<div class=\"strip\">\n";
         if let Some((_, image, origin)) = truth {
             let caption = format!("truth, {}: {origin}", claim.label());
-            text += &figure(&shown(image, scene.exposure_ev), image, &caption)?;
+            text += &figure(&[shown(image, scene.exposure_ev)], image, &caption)?;
         }
         for exhibit in exhibits {
             let image = &exhibit.image;
-            text += &figure(&shown(image, scene.exposure_ev), image, &exhibit.label)?;
+            let mut pictures = vec![shown(image, scene.exposure_ev)];
+            let mut caption = exhibit.label.clone();
             if let Some((_, truth, _)) = truth {
                 let map = error_map(image, truth)?;
-                let pixels: Vec<[u8; 3]> = map.errors.iter().map(|e| magma(*e)).collect();
-                let caption = format!("{}: HDR-FLIP, mean {:.4}", exhibit.label, map.mean());
-                text += &figure(&pixels, image, &caption)?;
+                pictures.push(map.errors.iter().map(|e| magma(*e)).collect());
+                caption += &format!("; below: HDR-FLIP, mean {:.4}", map.mean());
             }
+            text += &figure(&pictures, image, &caption)?;
         }
         text += "</div>\n";
     }
@@ -48,13 +49,18 @@ fn shown(image: &Image, exposure_ev: f32) -> Vec<[u8; 3]> {
     display(image, exposure_ev)
 }
 
-fn figure(pixels: &[[u8; 3]], image: &Image, caption: &str) -> Result<String, BenchError> {
-    let png = encode_png(image.width(), image.height(), pixels)?;
+/// Pictures of one size above one another, under one caption.
+fn figure(pictures: &[Vec<[u8; 3]>], image: &Image, caption: &str) -> Result<String, BenchError> {
+    let (width, height) = (image.width(), image.height());
     let caption = escape(caption);
+    let mut text = String::from("<figure>");
+    for pixels in pictures {
+        text += &format!(
+            "<img alt=\"{caption}\" width=\"{width}\" height=\"{height}\" src=\"data:image/png;base64,{}\">",
+            STANDARD.encode(encode_png(width, height, pixels)?)
+        );
+    }
     Ok(format!(
-        "<figure><img alt=\"{caption}\" width=\"{}\" height=\"{}\" style=\"height:auto\" src=\"data:image/png;base64,{}\"><figcaption>{caption}</figcaption></figure>\n",
-        image.width(),
-        image.height(),
-        STANDARD.encode(png)
+        "{text}<figcaption>{caption}</figcaption></figure>\n"
     ))
 }

@@ -20,7 +20,7 @@ use crate::scene_argument::{self, DeviceArguments};
 /// Another renderer to measure beside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Peer {
-    /// Mitsuba 3, `volpath` (PyPI mitsuba, Debian libllvm19).
+    /// Mitsuba 3, `volpath` (`PyPI` mitsuba, Debian libllvm19).
     Mitsuba,
 }
 
@@ -55,10 +55,10 @@ pub struct Bench {
     /// Longest time of a truth. 10m, quick: 20s.
     #[arg(long, value_parser = scene_argument::seconds)]
     truth_time: Option<f64>,
-    /// Judge pm-ref scenes by their published images (../data/ref_NAME_full.npz and _single.npz).
+    /// Judge pm-ref scenes by their published images (`../data/ref_NAME_full.npz` and `_single.npz`).
     #[arg(long)]
     published_truth: bool,
-    /// Folder that keeps truths; $XDG_CACHE_HOME/tyndall/truth without it.
+    /// Folder that keeps truths; `$XDG_CACHE_HOME/tyndall/truth` without it.
     #[arg(long)]
     cache: Option<PathBuf>,
     /// Frames of a moving camera to time, too; 0 for none. 100, quick: 20.
@@ -82,7 +82,7 @@ pub struct Bench {
     /// Mitsuba's variant.
     #[arg(long, default_value = "llvm_ad_rgb")]
     peer_variant: String,
-    /// Denoise the peer's pictures, too (PyPI pyoidn).
+    /// Denoise the peer's pictures, too (`PyPI` pyoidn).
     #[arg(long)]
     peer_denoise: bool,
     /// No progress bar.

@@ -84,7 +84,7 @@ fn emitted(corner: &Corners<'_>) -> f64 {
 }
 
 fn area(triangle: &Triangle) -> f64 {
-    let edge = |a: Vec3A, b: Vec3A| DVec3::from((b - a).as_dvec3());
+    let edge = |a: Vec3A, b: Vec3A| (b - a).as_dvec3();
     0.5 * edge(triangle.v0, triangle.v1)
         .cross(edge(triangle.v0, triangle.v2))
         .length()

@@ -50,7 +50,7 @@ pub struct SingleScattering {
 
 /// Which paths the `reference` counts; all of them if nothing is said.
 ///
-/// A path camera → x₁ … x_k → light has k scatterings, on surfaces or in media.
+/// A path from the camera over k points to a light has k scatterings, on surfaces or in media.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema, TS)]
 #[serde(deny_unknown_fields, default)]
 #[ts(optional_fields)]

@@ -162,6 +162,7 @@ impl Backend for Fake {
             stats: FrameStats::default(),
             pass_times: Vec::new(),
             render_micros: 2000,
+            units: 0,
         };
         view.finished.push_back((ready, frame));
         Ok(RenderOutcome::Submitted)
