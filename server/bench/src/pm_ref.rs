@@ -1,11 +1,10 @@
 //! Scenes of schema `pm-ref/1`, the reference scenes of two independent path tracers, as scene
 //! descriptions.
 //!
-//! One mismatch is accepted. In `pm-ref/1` meshes reflect on both sides but emit on one, the side
-//! of the normal; here `double_sided` rules both. Emitters become double-sided: their back
-//! reflects as it should, and also emits. That is right only where the back of every emitter is
-//! out of sight and lights nothing, as in the reference scenes, whose emitters lie on walls and
-//! ceilings; a scene of which this isn't true is no use for judging a picture.
+//! One mismatch is accepted. In `pm-ref/1` meshes reflect on both sides but emit on one, the side of the
+//! normal. Emitters become single-sided, which emit and light as they should; the camera looks through
+//! their backs. That is right only where the camera sees no emitter from behind, as in the reference
+//! scenes, whose emitters lie on walls and ceilings.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -166,7 +165,7 @@ enum Density {
     Grid { file: String },
 }
 
-/// Two-sided, Lambertian, flat shaded.
+/// Lambertian, flat shaded; two-sided unless it emits.
 fn mesh(mesh: &Mesh) -> serde_json::Value {
     json!({
         "kind": "mesh",
@@ -176,7 +175,7 @@ fn mesh(mesh: &Mesh) -> serde_json::Value {
         "material": {
             "base_color": mesh.reflectance,
             "emission": mesh.emission.unwrap_or_default(),
-            "double_sided": true,
+            "double_sided": mesh.emission.is_none(),
         },
     })
 }
