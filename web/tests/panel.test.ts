@@ -35,6 +35,7 @@ const SCENE: SceneDescription = {
     width: 640,
     height: 360,
     seed: 0,
+    reference: { medium_order: 'all' },
     single_scattering: { steps: 32, jitter: true },
     shadows: { mode: 'mapped', resolution: 1024 },
   },
