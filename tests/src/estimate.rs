@@ -27,7 +27,7 @@ pub fn with_renderer<T>(with: impl FnOnce(&mut Renderer) -> T) -> T {
 /// Renders a scene of the reference and holds it to finite, non-negative samples of whole paths.
 pub fn render(json: &Value) -> Still {
     let still = with_renderer(|renderer| gpu::render(renderer, gpu::scene(json)));
-    assert_eq!(still.frame.stats.truncated, 0, "truncated paths");
+    assert_eq!(still.truncated, 0, "truncated paths");
     still
 }
 

@@ -49,7 +49,7 @@ fn render(scene: &Value, folder: Option<&Folder>) -> Estimate {
     let built = tyndall_scene::build(description, folder.map(|folder| folder.0.as_path()))
         .expect("the scene is valid");
     let still = estimate::with_renderer(|renderer| gpu::render(renderer, built.scene));
-    assert_eq!(still.frame.stats.truncated, 0, "truncated paths");
+    assert_eq!(still.truncated, 0, "truncated paths");
     Estimate::of_pixels(&still)
 }
 

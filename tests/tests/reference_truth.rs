@@ -50,7 +50,7 @@ fn compare(name: &str, kind: &str, samples: u32) -> Option<Agreement> {
     }
     let (width, height) = (scene.render.width as usize, scene.render.height as usize);
     let still = gpu::render(&mut gpu::renderer(), scene);
-    assert_eq!(still.frame.stats.truncated, 0, "paths given up");
+    assert_eq!(still.truncated, 0, "paths given up");
     let file = folder.join(format!("data/ref_{name}_{kind}.npz"));
     let mean = npz::read_f32(&file, "mean").unwrap();
     let stderr = npz::read_f32(&file, "stderr").unwrap();

@@ -93,18 +93,6 @@ pub fn ladder(technique: Technique, quick: bool) -> Vec<Rung> {
     }
 }
 
-/// The JSON name of a technique.
-pub fn technique_name(technique: Technique) -> &'static str {
-    match technique {
-        Technique::Auto => "auto",
-        Technique::SingleScattering => "single_scattering",
-        Technique::InstantVpl => "instant_vpl",
-        Technique::PrincipalOrdinates => "principal_ordinates",
-        Technique::ScreenSpace => "screen_space",
-        Technique::Reference => "reference",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -120,17 +108,5 @@ mod tests {
             .map(|rung| rung.samples)
             .collect();
         assert_eq!(samples, [1, 4, 16, 64, 256]);
-    }
-
-    #[test]
-    fn names_are_those_of_the_scene_description() {
-        for technique in [
-            Technique::Auto,
-            Technique::SingleScattering,
-            Technique::Reference,
-        ] {
-            let name = technique_name(technique);
-            assert_eq!(serde_json::to_value(technique).unwrap(), name);
-        }
     }
 }

@@ -25,7 +25,7 @@ mod truth;
 
 pub use error::BenchError;
 pub use frames::{FrameBench, Row};
-pub use ladder::{Claim, Rung, ladder, technique_name};
+pub use ladder::{Claim, Rung, ladder};
 pub use machine::Machine;
 pub use measures::Measures;
 pub use memory::resident_bytes;

@@ -10,7 +10,7 @@ use tyndall_scene::description::render::Technique;
 use tyndall_scene::{Scene, SceneEdit, apply_edit};
 
 use crate::error::BenchError;
-use crate::ladder::{Claim, Rung, ladder, technique_name};
+use crate::ladder::{Claim, Rung, ladder};
 use crate::machine::Machine;
 use crate::measures::Measures;
 use crate::memory::resident_bytes;
@@ -104,7 +104,7 @@ impl Suite {
                 Ok(None) => result.remarks.push(format!(
                     "no truth for {}: {} does not know all of these paths",
                     claim.label(),
-                    technique_name(self.truth.technique)
+                    self.truth.technique.name()
                 )),
                 Err(BenchError::Render(error)) => result
                     .remarks
@@ -115,7 +115,7 @@ impl Suite {
         let machine = Machine::of(renderer);
         for technique in &self.techniques {
             for rung in ladder(*technique, self.quick) {
-                progress(&format!("{}: {}", subject.name, technique_name(*technique)));
+                progress(&format!("{}: {}", subject.name, technique.name()));
                 let row = self.measure(renderer, subject, size, rung, &machine, &truths);
                 match row {
                     Ok((row, image)) => {
@@ -130,7 +130,7 @@ impl Suite {
                     Err(BenchError::Render(error)) => {
                         result
                             .remarks
-                            .push(format!("{}: {error}", technique_name(*technique)));
+                            .push(format!("{}: {error}", technique.name()));
                         break;
                     }
                     Err(error) => return Err(error),
@@ -167,7 +167,7 @@ impl Suite {
         let shot = shoot(renderer, &scene, rung.samples, budget)?;
         let claim = Claim::of(rung.technique);
         let mut row = LadderRow {
-            technique: technique_name(rung.technique).to_owned(),
+            technique: rung.technique.name().to_owned(),
             steps: rung.steps,
             samples: shot.samples,
             cut_short: shot.cut_short,

@@ -11,7 +11,7 @@ use tyndall_scene::description::render::{ShadowMode, Technique};
 use tyndall_scene::{Scene, SceneDescription, SceneEdit, apply_edit};
 
 use crate::error::BenchError;
-use crate::ladder::{Claim, technique_name};
+use crate::ladder::Claim;
 use crate::shot::shoot;
 use crate::subject::Subject;
 
@@ -89,7 +89,7 @@ impl TruthOptions {
         let file = self
             .cache
             .as_ref()
-            .map(|folder| folder.join(format!("{}-{}.exr", technique_name(self.technique), key)));
+            .map(|folder| folder.join(format!("{}-{}.exr", self.technique.name(), key)));
         if let Some(file) = &file
             && let Ok((layers, metadata)) = read_exr(file)
         {
@@ -102,7 +102,7 @@ impl TruthOptions {
             let metadata = Metadata {
                 scene: subject.name.clone(),
                 scene_hash: scene_hash(&description)?,
-                technique: technique_name(self.technique).to_owned(),
+                technique: self.technique.name().to_owned(),
                 seed: scene.render.seed,
                 samples: taken,
                 version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -110,7 +110,7 @@ impl TruthOptions {
             };
             keep(file, &image, &metadata)?;
         }
-        let origin = format!("{}, {taken} samples", technique_name(self.technique));
+        let origin = format!("{}, {taken} samples", self.technique.name());
         Ok(Some(Truth { image, origin }))
     }
 

@@ -54,15 +54,6 @@ pub fn technique(name: &str) -> Result<Technique, String> {
     serde_json::from_value(name.into()).map_err(|error| error.to_string())
 }
 
-/// The JSON name of a technique.
-pub fn technique_name(technique: Technique) -> String {
-    match serde_json::to_value(technique) {
-        Ok(serde_json::Value::String(name)) => name,
-        // A unit variant is always a string.
-        _ => String::new(),
-    }
-}
-
 /// Seconds of `10`, `10s`, `500ms` or `2m`; the range is the scene description's.
 pub fn seconds(text: &str) -> Result<f64, String> {
     let text = text.trim();
@@ -103,10 +94,6 @@ mod tests {
     #[test]
     fn techniques_have_their_json_names() {
         assert_eq!(technique("reference"), Ok(Technique::Reference));
-        assert_eq!(
-            technique_name(Technique::SingleScattering),
-            "single_scattering"
-        );
         let error = technique("magic").unwrap_err();
         assert!(error.contains("reference"), "{error}");
     }

@@ -262,11 +262,19 @@ fn frame_stats(
     }
 }
 
-/// √(mean variance)/mean radiance; unknown where nothing was measured or everything is black.
+/// √(mean variance)/mean radiance; unknown where nothing was measured. A picture that is black in every
+/// sample has no error: otherwise an error target would never be met.
 fn estimated_error(counted: &Statistics) -> Option<f32> {
-    let mean = counted.radiance / counted.measured_pixels.max(1.0);
-    let variance = counted.variance_of_halves / counted.measured_pixels.max(1.0);
-    (counted.measured_pixels > 0.0 && mean > 0.0).then(|| variance.sqrt() / mean)
+    if counted.measured_pixels <= 0.0 {
+        return None;
+    }
+    let mean = counted.radiance / counted.measured_pixels;
+    let variance = counted.variance_of_halves / counted.measured_pixels;
+    if mean > 0.0 {
+        Some(variance.sqrt() / mean)
+    } else {
+        (variance <= 0.0).then_some(0.0)
+    }
 }
 
 /// Fixed-point scale that keeps a sum of values in [0, 1] over all pixels below 2³¹.

@@ -28,6 +28,24 @@ pub struct Still {
     pub non_finite: u64,
     /// Sum over all frames of pixels that were negative.
     pub negative: u64,
+    /// Sum over all frames of paths given up after too many segments: light that is missing.
+    pub truncated: u64,
+}
+
+/// What went wrong, summed over the frames.
+#[derive(Debug, Clone, Copy, Default)]
+struct Counts {
+    non_finite: u64,
+    negative: u64,
+    truncated: u64,
+}
+
+impl Counts {
+    fn add(&mut self, frame: &FinishedFrame) {
+        self.non_finite += u64::from(frame.stats.non_finite);
+        self.negative += u64::from(frame.stats.negative);
+        self.truncated += u64::from(frame.stats.truncated);
+    }
 }
 
 /// Told after every frame of a still.
@@ -58,7 +76,7 @@ impl Renderer {
         view: &mut View,
         progress: &mut dyn FnMut(&mut StillProgress),
     ) -> Result<Still, RenderError> {
-        let (mut non_finite, mut negative) = (0, 0);
+        let mut counts = Counts::default();
         let mut last = None;
         loop {
             let outcome = self.render(view, 0)?;
@@ -67,8 +85,7 @@ impl Renderer {
             }
             self.poll()?;
             while let Some(frame) = view.take_finished() {
-                non_finite += u64::from(frame.stats.non_finite);
-                negative += u64::from(frame.stats.negative);
+                counts.add(&frame);
                 let mut state = StillProgress {
                     samples: frame.samples,
                     go_on: true,
@@ -76,11 +93,11 @@ impl Renderer {
                 progress(&mut state);
                 last = Some(frame);
                 if !state.go_on {
-                    return self.finish(view, last, non_finite, negative);
+                    return self.finish(view, last, counts);
                 }
             }
             if outcome == RenderOutcome::Converged && view.in_flight() == 0 {
-                return self.finish(view, last, non_finite, negative);
+                return self.finish(view, last, counts);
             }
         }
     }
@@ -89,12 +106,12 @@ impl Renderer {
         &mut self,
         view: &mut View,
         last: Option<FinishedFrame>,
-        non_finite: u64,
-        negative: u64,
+        mut counts: Counts,
     ) -> Result<Still, RenderError> {
         self.wait()?;
         let mut frame = last;
         while let Some(newer) = view.take_finished() {
+            counts.add(&newer);
             frame = Some(newer);
         }
         let frame = frame.ok_or_else(|| RenderError::Refused("no frame arrived".into()))?;
@@ -106,8 +123,9 @@ impl Renderer {
             depth: None,
             normal: None,
             albedo: None,
-            non_finite,
-            negative,
+            non_finite: counts.non_finite,
+            negative: counts.negative,
+            truncated: counts.truncated,
         };
         if let Some(reference) = &view.targets.reference {
             let moments = self.read_pixels(&reference.moments)?;

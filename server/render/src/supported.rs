@@ -18,14 +18,13 @@ pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
         .iter()
         .map(|path| format!("{path}: animation"))
         .collect();
-    let technique = match scene.render.technique {
-        Technique::Auto | Technique::SingleScattering | Technique::Reference => None,
-        Technique::InstantVpl => Some("instant_vpl"),
-        Technique::PrincipalOrdinates => Some("principal_ordinates"),
-        Technique::ScreenSpace => Some("screen_space"),
-    };
-    if let Some(name) = technique {
-        fields.push(format!("render.technique: {name}"));
+    match scene.render.technique {
+        Technique::Auto | Technique::SingleScattering | Technique::Reference => {}
+        missing @ (Technique::InstantVpl
+        | Technique::PrincipalOrdinates
+        | Technique::ScreenSpace) => {
+            fields.push(format!("render.technique: {}", missing.name()));
+        }
     }
     let traced = scene.render.technique == Technique::Reference;
     if matches!(scene.render.stop, StopRule::RelativeError(_)) && !traced {

@@ -397,6 +397,20 @@ pub enum Technique {
     Reference,
 }
 
+impl Technique {
+    /// The technique's one name: JSON key, file, metric label.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::SingleScattering => "single_scattering",
+            Self::InstantVpl => "instant_vpl",
+            Self::PrincipalOrdinates => "principal_ordinates",
+            Self::ScreenSpace => "screen_space",
+            Self::Reference => "reference",
+        }
+    }
+}
+
 /// When a still picture is finished.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StopRule {

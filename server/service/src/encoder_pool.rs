@@ -227,7 +227,7 @@ fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
         render_micros: frame.render_micros,
         encode_micros: header.encode_micros,
         bytes: message.len() as u64,
-        technique: technique(wish.scene.render.technique).to_owned(),
+        technique: wish.scene.render.technique.name().to_owned(),
         round_trip_micros: round_trip.map(|time| time.as_micros() as u64),
     };
     Ok(EncodedFrame {
@@ -235,17 +235,4 @@ fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
         message: message.into(),
         stats,
     })
-}
-
-/// The technique's one name: JSON key, file, metric label.
-fn technique(technique: tyndall_scene::Technique) -> &'static str {
-    use tyndall_scene::Technique;
-    match technique {
-        Technique::Auto => "auto",
-        Technique::SingleScattering => "single_scattering",
-        Technique::InstantVpl => "instant_vpl",
-        Technique::PrincipalOrdinates => "principal_ordinates",
-        Technique::ScreenSpace => "screen_space",
-        Technique::Reference => "reference",
-    }
 }

@@ -78,7 +78,7 @@ impl Render {
         let metadata = Metadata {
             scene: scene.name.clone(),
             scene_hash: scene_hash(&loaded.description)?,
-            technique: scene_argument::technique_name(loaded.description.render.technique),
+            technique: scene.render.technique.name().to_owned(),
             seed: scene.render.seed,
             samples: still.frame.samples,
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -101,6 +101,12 @@ impl Render {
         }
         if still.non_finite > 0 {
             bail!("{} samples were not finite", still.non_finite);
+        }
+        if still.truncated > 0 {
+            bail!(
+                "{} paths were given up after too many segments: the picture is too dark",
+                still.truncated
+            );
         }
         Ok(())
     }

@@ -155,6 +155,13 @@ impl Default for Shadows {
     }
 }
 
+impl Technique {
+    /// [`scene::Technique::name`].
+    pub fn name(self) -> &'static str {
+        scene::Technique::from(self).name()
+    }
+}
+
 impl From<Technique> for scene::Technique {
     fn from(technique: Technique) -> Self {
         match technique {
@@ -185,6 +192,26 @@ impl From<MediumOrder> for scene::MediumOrder {
             MediumOrder::None => Self::None,
             MediumOrder::Single => Self::Single,
             MediumOrder::Multiple => Self::Multiple,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn techniques_are_called_as_in_json() {
+        for technique in [
+            Technique::Auto,
+            Technique::SingleScattering,
+            Technique::InstantVpl,
+            Technique::PrincipalOrdinates,
+            Technique::ScreenSpace,
+            Technique::Reference,
+        ] {
+            let name = technique.name();
+            assert_eq!(serde_json::to_value(technique).unwrap(), name);
         }
     }
 }
