@@ -111,6 +111,19 @@ mirrors! {
         rows: u32,
         first_sample: u32,
         samples: u32,
+        segments: u32,
+    }
+
+    /// A path that waits for its pixel's next dispatch.
+    struct WaitingPath {
+        origin: [f32; 3],
+        density: f32,
+        direction: [f32; 3],
+        triangle: u32,
+        throughput: [f32; 3],
+        surface_scatterings: u32,
+        radiance: [f32; 3],
+        medium_scatterings: u32,
     }
 
     /// A light with a position or a direction.
@@ -238,6 +251,7 @@ mirrors! {
         transmittance: u32,
         displayed: u32,
         truncated: u32,
+        unfinished: u32,
         variance_of_halves: f32,
         variance_of_samples: f32,
         radiance: f32,

@@ -54,7 +54,7 @@ pub(crate) fn shoot(
     };
     // Another seed, so that the true one starts the mean anew.
     let seed = scene.render.seed;
-    let mut view = renderer.create_view(with(seed ^ 1, WARM_UP), width, height)?;
+    let mut view = renderer.create_view(with(seed ^ 1, u32::MAX), width, height)?;
     view.set_slice_budget(SLICE_BUDGET);
     for _ in 0..WARM_UP {
         next_frame(renderer, &mut view)?;

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use tyndall_scene::{Scene, StopRule};
 
+use crate::slices::Sweep;
 use crate::targets::Targets;
 
 /// What differs between two states of a view, as far as the picture is concerned.
@@ -47,6 +48,8 @@ impl Change {
 
 /// Samples below which an estimated error stops nothing.
 const MIN_SAMPLES: u32 = 16;
+/// A picture whose time is up may take that many times as long for the paths that still wait.
+const PATIENCE: f32 = 2.0;
 
 /// State of the running mean.
 #[derive(Debug)]
@@ -58,6 +61,24 @@ pub(crate) struct Image {
     redisplay: bool,
     /// The relative error that was estimated last, and the samples it stands for.
     error: Option<(u32, f32)>,
+    /// What the reference's last sweep left undone.
+    waiting: Waiting,
+}
+
+/// Paths that wait for their pixels' next dispatch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Waiting {
+    /// None.
+    Nothing,
+    /// Unknown until the sweep's frames come home; `pixels` is what has been counted of it.
+    Unknown {
+        sweep: u32,
+        pixels: u64,
+        /// Whether all its parts were submitted.
+        whole: bool,
+    },
+    /// So many pixels lack samples.
+    Pixels(u64),
 }
 
 /// What the next frame of a view has to do.
@@ -65,6 +86,8 @@ pub(crate) struct Image {
 pub(crate) enum Work {
     /// Nothing: finished and shown.
     Nothing,
+    /// Nothing before the frames in flight tell whether it is finished.
+    Wait,
     /// Show the finished mean again, with another exposure.
     Redisplay,
     /// Add a sample.
@@ -79,6 +102,7 @@ impl Image {
             started: Instant::now(),
             redisplay: false,
             error: None,
+            waiting: Waiting::Nothing,
         }
     }
 
@@ -99,6 +123,7 @@ impl Image {
         self.started = Instant::now();
         self.redisplay = false;
         self.error = None;
+        self.waiting = Waiting::Nothing;
     }
 
     /// Samples in the mean.
@@ -111,8 +136,16 @@ impl Image {
         self.epoch
     }
 
-    /// Whether the stop rule is met.
+    /// Whether the stop rule is met and no path waits: those that wait are the longest, so that a mean
+    /// without them would be too dark.
     pub fn is_finished(&self, stop: StopRule) -> bool {
+        let overdue = matches!(stop, StopRule::Seconds(seconds)
+            if self.started.elapsed().as_secs_f32() >= PATIENCE * seconds);
+        self.is_enough(stop) && (self.waiting == Waiting::Nothing || overdue)
+    }
+
+    /// Whether the stop rule wants no more samples.
+    fn is_enough(&self, stop: StopRule) -> bool {
         match stop {
             StopRule::Samples(target) => self.samples >= target,
             StopRule::Seconds(seconds) => {
@@ -127,8 +160,13 @@ impl Image {
 
     /// What is left to do.
     pub fn work(&self, stop: StopRule) -> Work {
+        let unknown = matches!(self.waiting, Waiting::Unknown { whole: true, .. });
         if !self.is_finished(stop) {
-            Work::Sample
+            if unknown && self.is_enough(stop) {
+                Work::Wait
+            } else {
+                Work::Sample
+            }
         } else if self.redisplay {
             Work::Redisplay
         } else {
@@ -137,10 +175,52 @@ impl Image {
     }
 
     /// Samples the stop rule allows in all.
-    pub fn most_samples(stop: StopRule) -> u32 {
+    pub fn most_samples(&self, stop: StopRule) -> u32 {
+        if self.is_enough(stop) {
+            return self.samples;
+        }
         match stop {
             StopRule::Samples(target) => target,
             StopRule::Seconds(_) | StopRule::RelativeError(_) => u32::MAX,
+        }
+    }
+
+    /// Notes that a part of a sweep of the reference was submitted.
+    pub fn await_sweep(&mut self, part: Sweep) {
+        let counted = match self.waiting {
+            Waiting::Unknown { sweep, pixels, .. } if sweep == part.number => pixels,
+            _ => 0,
+        };
+        self.waiting = Waiting::Unknown {
+            sweep: part.number,
+            pixels: counted,
+            whole: part.completes,
+        };
+    }
+
+    /// Takes the number of pixels that a part of a sweep of restart `epoch` left unfinished.
+    pub fn note_sweep(&mut self, epoch: u32, part: Sweep, unfinished: u32) {
+        match &mut self.waiting {
+            Waiting::Unknown { sweep, pixels, .. }
+                if epoch == self.epoch && part.number == *sweep =>
+            {
+                *pixels += u64::from(unfinished);
+                if part.completes {
+                    self.waiting = match *pixels {
+                        0 => Waiting::Nothing,
+                        pixels => Waiting::Pixels(pixels),
+                    };
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Pixels that are known to lack samples, because a path of theirs is still under way.
+    pub fn unfinished(&self) -> u64 {
+        match self.waiting {
+            Waiting::Nothing => 0,
+            Waiting::Unknown { pixels, .. } | Waiting::Pixels(pixels) => pixels,
         }
     }
 

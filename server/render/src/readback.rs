@@ -9,6 +9,7 @@ use tyndall_shaders::types::Statistics;
 
 use crate::device::Device;
 use crate::error::RenderError;
+use crate::slices::Sweep;
 use crate::timing::{FrameTiming, PassTime, TIMESTAMP_BYTES, Timing};
 
 /// Frames in flight a view may have.
@@ -63,8 +64,10 @@ pub struct FrameStats {
     pub negative: u32,
     /// Values limited by a named clamp.
     pub clamped: u32,
-    /// Paths given up after too many events.
+    /// Paths given up after too many scatterings.
     pub truncated: u32,
+    /// Pixels of this frame's slice that lack samples, because a path of theirs is still under way.
+    pub unfinished: u32,
     /// Estimated error of the running mean relative to the picture's mean, √(mean variance)/mean,
     /// where the technique knows it.
     pub estimated_error: Option<f32>,
@@ -84,6 +87,8 @@ pub(crate) struct FrameMeta {
     pub filmed: bool,
     /// Pixel samples of the reference's slice.
     pub units: u64,
+    /// The reference's sweep it is part of.
+    pub sweep: Option<Sweep>,
 }
 
 #[derive(Debug)]
@@ -179,8 +184,9 @@ impl ReadbackRing {
         self.next = (self.next + 1) % self.slots.len();
     }
 
-    /// The oldest frame in flight, if it has arrived. Frames come in the order of submission.
-    pub fn take(&mut self, timing: &Timing) -> Option<FinishedFrame> {
+    /// The oldest frame in flight, if it has arrived, and the part of a sweep it was. Frames come in the
+    /// order of submission.
+    pub fn take(&mut self, timing: &Timing) -> Option<(FinishedFrame, Option<Sweep>)> {
         let count = self.slots.len();
         let index = (0..count)
             .map(|i| (self.next + i) % count)
@@ -224,7 +230,7 @@ impl ReadbackRing {
         if let Some(frame) = &result {
             self.last_stats = frame.stats;
         }
-        result
+        Some((result?, meta.sweep))
     }
 
     /// Frames submitted and not yet taken.
@@ -258,6 +264,7 @@ fn frame_stats(
         negative: counted.negative,
         clamped: counted.clamped,
         truncated: counted.truncated,
+        unfinished: counted.unfinished,
         estimated_error: estimated_error(counted),
     }
 }
@@ -328,4 +335,25 @@ pub(crate) fn wait(device: &Device) -> Result<(), RenderError> {
                 RenderError::Refused(other.to_string())
             }
         })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error_of(radiance: f32, variance_of_halves: f32, measured_pixels: f32) -> Option<f32> {
+        estimated_error(&Statistics {
+            radiance,
+            variance_of_halves,
+            measured_pixels,
+            ..bytemuck::Zeroable::zeroed()
+        })
+    }
+
+    #[test]
+    fn a_black_picture_has_no_error_and_an_unmeasured_one_an_unknown_one() {
+        assert_eq!(error_of(0.0, 0.0, 0.0), None);
+        assert_eq!(error_of(0.0, 0.0, 8.0), Some(0.0));
+        assert_eq!(error_of(16.0, 8.0, 8.0), Some(0.5));
+    }
 }

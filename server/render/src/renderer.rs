@@ -10,7 +10,7 @@ use crate::engine::Recording;
 use crate::error::RenderError;
 use crate::frame;
 use crate::gpu_scene::{AssetCache, SampleValues};
-use crate::image::{Image, Work};
+use crate::image::Work;
 use crate::plan::{PassKind, PlanLimits, march_steps};
 use crate::programs::{Constants, Programs};
 use crate::readback::{FrameMeta, statistics_scale, wait};
@@ -34,8 +34,9 @@ pub enum RenderOutcome {
     Submitted,
     /// The picture is finished and shown: nothing was done.
     Converged,
-    /// Too many frames are in flight: take one first.
-    RingFull,
+    /// Frames are in flight that must be taken first: too many, or the ones that tell whether the picture
+    /// is finished.
+    Busy,
 }
 
 impl Renderer {
@@ -117,11 +118,13 @@ impl Renderer {
     pub fn render(&mut self, view: &mut View, tag: u64) -> Result<RenderOutcome, RenderError> {
         let stop = view.scene.render.stop;
         let work = view.image.work(stop);
-        if work == Work::Nothing {
-            return Ok(RenderOutcome::Converged);
+        match work {
+            Work::Nothing => return Ok(RenderOutcome::Converged),
+            Work::Wait => return Ok(RenderOutcome::Busy),
+            Work::Redisplay | Work::Sample => {}
         }
         if !view.ring.has_room() {
-            return Ok(RenderOutcome::RingFull);
+            return Ok(RenderOutcome::Busy);
         }
         let started = Instant::now();
         if view.stale {
@@ -136,7 +139,7 @@ impl Renderer {
         }
         let (width, height) = view.size();
         let slice = (work == Work::Sample && view.plan.runs(PassKind::Reference)).then(|| {
-            let most = Image::most_samples(stop);
+            let most = view.image.most_samples(stop);
             view.slices
                 .next((width, height), view.image.samples(), most)
         });
@@ -181,11 +184,12 @@ impl Renderer {
             &recording.frame_timing,
         );
         let frame_timing = recording.submit()?;
-        if let Some(slice) = slice {
-            view.slices.advance(slice);
-        }
+        let sweep = slice.map(|slice| view.slices.advance(slice));
         let added = slice.map_or(1, |slice| if slice.completes { slice.samples } else { 0 });
         view.image.advance(work, added);
+        if let Some(sweep) = sweep {
+            view.image.await_sweep(sweep);
+        }
         let meta = FrameMeta {
             tag,
             samples: view.image.samples(),
@@ -195,6 +199,7 @@ impl Renderer {
             statistics_scale: statistics_scale(width, height),
             filmed: work == Work::Sample,
             units: slice.map_or(0, |slice| slice.units(width)),
+            sweep,
         };
         view.ring.submit(meta, frame_timing);
         Ok(RenderOutcome::Submitted)

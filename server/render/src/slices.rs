@@ -1,8 +1,10 @@
 //! Cuts the reference's work into dispatches that keep to a time budget.
 //!
 //! A sweep gives every pixel the same number of new samples. Where one sample of all pixels takes
-//! longer than the budget, a sweep is spread over several frames, some rows each. Results do not depend
-//! on the cutting: a pixel's samples are added one after the other wherever the cuts are.
+//! longer than the budget, a sweep is spread over several frames, some rows each. A pixel whose paths are
+//! longer than its dispatch's share leaves the last one where it is and goes on with it in the next
+//! sweep; the picture is finished when a sweep leaves none. Results do not depend on the cutting: a
+//! pixel's samples are added one after the other wherever the cuts are.
 
 use std::time::Duration;
 
@@ -13,7 +15,9 @@ const MAX_BATCH: u32 = 64;
 /// Longest dispatch of a still picture: drivers reset devices that are silent for seconds.
 const STILL_BUDGET: Duration = Duration::from_millis(250);
 /// Pixel samples of the very first dispatch, before anything is measured.
-const FIRST_UNITS: f64 = 16_384.0;
+const FIRST_UNITS: f64 = 4096.0;
+/// Segments a pixel may follow for each sample it takes, and for the dispatch: most paths are shorter.
+const SEGMENTS: u32 = 64;
 /// A measured cost may be that much too low for the next dispatch.
 const GROWTH: f64 = 4.0;
 
@@ -27,6 +31,15 @@ pub(crate) struct Slices {
     last_units: f64,
     next_row: u32,
     batch: u32,
+    /// Counts the sweeps.
+    sweep: u32,
+}
+
+/// Which part of which sweep a dispatch was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Sweep {
+    pub number: u32,
+    pub completes: bool,
 }
 
 /// A dispatch's part of the picture.
@@ -41,9 +54,9 @@ pub(crate) struct Slice {
 }
 
 impl Slice {
-    /// Pixel samples in it.
+    /// Pixel samples in it; one a pixel where it only ends paths that wait.
     pub fn units(self, width: u32) -> u64 {
-        u64::from(width) * u64::from(self.rows) * u64::from(self.samples)
+        u64::from(width) * u64::from(self.rows) * u64::from(self.samples.max(1))
     }
 
     pub fn values(self) -> types::Slice {
@@ -52,6 +65,7 @@ impl Slice {
             rows: self.rows,
             first_sample: self.first_sample,
             samples: self.samples,
+            segments: SEGMENTS * (self.samples + 1),
         }
     }
 }
@@ -64,6 +78,7 @@ impl Slices {
             last_units: FIRST_UNITS / GROWTH,
             next_row: 0,
             batch: 1,
+            sweep: 0,
         }
     }
 
@@ -84,7 +99,8 @@ impl Slices {
         self.next_row = 0;
     }
 
-    /// The next part of a picture that has `done` samples, with at most `wanted` in the end.
+    /// The next part of a picture that has `done` samples, with at most `wanted` in the end; without
+    /// new samples where it has as many, for the paths that wait.
     pub fn next(&self, (width, height): (u32, u32), done: u32, wanted: u32) -> Slice {
         let affordable = self.cost.map_or(FIRST_UNITS, |cost| {
             self.budget.as_secs_f64() / cost.max(1e-12)
@@ -92,12 +108,12 @@ impl Slices {
         let units = affordable.min(self.last_units * GROWTH);
         let (first_row, samples) = if self.next_row == 0 {
             let whole = f64::from(width) * f64::from(height);
-            let left = wanted.saturating_sub(done).max(1);
-            (0, ((units / whole) as u32).clamp(1, MAX_BATCH.min(left)))
+            let left = wanted.saturating_sub(done);
+            (0, ((units / whole) as u32).clamp(1, MAX_BATCH).min(left))
         } else {
             (self.next_row.min(height - 1), self.batch)
         };
-        let per_row = f64::from(width) * f64::from(samples);
+        let per_row = f64::from(width) * f64::from(samples.max(1));
         let rows = ((units / per_row) as u32).clamp(1, height - first_row);
         // A remnant of a few rows costs a frame of its own: take it along.
         let rest = height - first_row - rows;
@@ -116,13 +132,20 @@ impl Slices {
     }
 
     /// Notes that `slice` was submitted.
-    pub fn advance(&mut self, slice: Slice) {
+    pub fn advance(&mut self, slice: Slice) -> Sweep {
+        if slice.first_row == 0 {
+            self.sweep = self.sweep.wrapping_add(1);
+        }
         self.batch = slice.samples;
         self.next_row = if slice.completes {
             0
         } else {
             slice.first_row + slice.rows
         };
+        Sweep {
+            number: self.sweep,
+            completes: slice.completes,
+        }
     }
 
     /// Learns what a dispatch of `units` pixel samples took.

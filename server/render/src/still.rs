@@ -28,7 +28,7 @@ pub struct Still {
     pub non_finite: u64,
     /// Sum over all frames of pixels that were negative.
     pub negative: u64,
-    /// Sum over all frames of paths given up after too many segments: light that is missing.
+    /// Paths given up after too many scatterings, or when time was up: light that is missing.
     pub truncated: u64,
 }
 
@@ -125,7 +125,7 @@ impl Renderer {
             albedo: None,
             non_finite: counts.non_finite,
             negative: counts.negative,
-            truncated: counts.truncated,
+            truncated: counts.truncated + view.image.unfinished(),
         };
         if let Some(reference) = &view.targets.reference {
             let moments = self.read_pixels(&reference.moments)?;

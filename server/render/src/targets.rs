@@ -34,6 +34,8 @@ pub(crate) struct ReferenceTargets {
     pub moments: wgpu::Buffer,
     /// Eight f32 a pixel: base colour, depth, normal, share that met a surface.
     pub film_surface: wgpu::Buffer,
+    /// 64 bytes a pixel: a path that waits for the next dispatch.
+    pub waiting_paths: wgpu::Buffer,
     /// Four f32 a tile of 8×8 pixels.
     pub tile_sums: wgpu::Buffer,
 }
@@ -56,8 +58,8 @@ impl Targets {
     ) -> Result<Self, RenderError> {
         let limits = device.device.limits();
         let max_side = limits.max_texture_dimension_2d;
-        // The film takes 16 bytes a pixel, the reference's moments 32.
-        let per_pixel = if needs.reference { 32 } else { 16 };
+        // The film takes 16 bytes a pixel, the reference's waiting paths 64.
+        let per_pixel = if needs.reference { 64 } else { 16 };
         let max_pixels = limits.max_storage_buffer_binding_size / per_pixel;
         let pixels = u64::from(width) * u64::from(height);
         if pixels == 0 || pixels > max_pixels || width.max(height) > max_side {
@@ -115,6 +117,7 @@ impl Targets {
             reference: needs.reference.then(|| ReferenceTargets {
                 moments: buffer("moments", 32),
                 film_surface: buffer("film_surface", 32),
+                waiting_paths: buffer("waiting_paths", 64),
                 // As many as 8×8 tiles, rounded up on both sides, for any shape.
                 tile_sums: device.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some("tile_sums"),

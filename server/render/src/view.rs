@@ -69,6 +69,7 @@ impl ViewParts<'_> {
             bindings
                 .buffer("moments", &reference.moments)
                 .buffer("film_surface", &reference.film_surface)
+                .buffer("waiting_paths", &reference.waiting_paths)
                 .buffer("tile_sums", &reference.tile_sums);
         }
         if let Some(radiance) = &targets.in_scattered_radiance {
@@ -206,13 +207,20 @@ impl View {
 
     /// The oldest finished frame, if one has arrived; call [`Renderer::poll`](crate::Renderer::poll) first.
     pub fn take_finished(&mut self) -> Option<FinishedFrame> {
-        let frame = self.ring.take(&self.timing)?;
+        let (mut frame, sweep) = self.ring.take(&self.timing)?;
         let traced = frame.pass_times.iter().find(|t| t.name == "reference");
         let seconds = traced.map_or(f64::from(frame.render_micros), |t| f64::from(t.micros)) * 1e-6;
         self.slices.measured(frame.units, seconds);
         if let Some(error) = frame.stats.estimated_error {
             self.image.note_error(frame.epoch, frame.samples, error);
         }
+        if let Some(sweep) = sweep {
+            self.image
+                .note_sweep(frame.epoch, sweep, frame.stats.unfinished);
+        }
+        // Some pictures are known to be finished only when their last frame has come home.
+        let last = self.in_flight() == 0 && frame.epoch == self.image.epoch();
+        frame.converged |= last && self.is_converged();
         Some(frame)
     }
 

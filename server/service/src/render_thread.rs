@@ -280,7 +280,7 @@ impl<B: Backend> RenderThread<B> {
                 answer_again(seat, &wish, now);
                 Ok(Looked::Nothing)
             }
-            Ok(RenderOutcome::RingFull) => {
+            Ok(RenderOutcome::Busy) => {
                 lock(&seat.session.pacing).discard(frame_id);
                 Ok(Looked::Nothing)
             }

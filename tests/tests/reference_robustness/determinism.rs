@@ -99,3 +99,44 @@ fn every_pixel_gets_every_sample() {
     let counts = still.samples_per_pixel.expect("the reference counts them");
     assert!(counts.iter().all(|n| *n == 5.0));
 }
+
+/// Paths of hundreds of segments: more than a dispatch's share.
+fn thick(samples: u32) -> Scene {
+    gpu::scene(&json!({
+        "version": 1,
+        "camera": { "position": [0, 0, 3], "target": [0, 0, 0], "vertical_fov_degrees": 30 },
+        "lights": [{ "kind": "environment", "radiance": 1 }],
+        "media": [{ "kind": "homogeneous", "sigma_t": 40, "albedo": 1,
+            "bounds": { "min": [-1, -1, -1], "max": [1, 1, 1] } }],
+        "render": { "technique": "reference", "width": 40, "height": 24, "samples": samples, "seed": 1 },
+    }))
+}
+
+#[test]
+fn paths_that_wait_for_the_next_dispatch_change_no_bit() {
+    let whole = finish(&mut view(thick(8)));
+    let mut cut = view(thick(8));
+    cut.set_slice_budget(Duration::from_micros(200));
+    let mut waited = 0;
+    let mut frames = 0;
+    while !cut.is_converged() && frames < 100 {
+        let frame = estimate::with_renderer(|renderer| {
+            renderer.render(&mut cut, 0).expect("renders");
+            renderer.wait().expect("a device that answers");
+            cut.take_finished()
+        });
+        waited += frame.map_or(0, |frame| frame.stats.unfinished);
+        frames += 1;
+    }
+    assert!(waited > 0, "no path was longer than its dispatch's share");
+    // Whatever is left, and the picture itself.
+    let mut scene = cut.scene().as_ref().clone();
+    scene.camera.exposure_ev += 1.0;
+    estimate::with_renderer(|renderer| renderer.update_view(&mut cut, Arc::new(scene)))
+        .expect("the scene is rendered");
+    let still = finish(&mut cut);
+    let counts = still.samples_per_pixel.as_ref().expect("it counts them");
+    assert!(counts.iter().all(|n| *n == 8.0));
+    assert_eq!(bits(&still), bits(&whole), "after {frames} frames");
+    assert_eq!(still.variance, whole.variance);
+}

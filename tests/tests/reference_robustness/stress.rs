@@ -1,8 +1,11 @@
 //! Extremes (algorithms §7.8): every picture is finite, not negative, and every path whole, which
 //! `estimate::render` asserts of each.
 
+use std::sync::Arc;
+use std::time::Instant;
+
 use serde_json::{Value, json};
-use tyndall_tests::estimate;
+use tyndall_tests::{estimate, gpu};
 
 /// Everything 1e6 m away from the world's origin if `offset` says so.
 fn scene(
@@ -203,4 +206,51 @@ fn fog_far_below_the_camera_scatters_where_it_is() {
         (near / far - 1.0).abs() < 0.02,
         "{near} from 10 m, {far} from 200 m"
     );
+}
+
+#[test]
+fn fog_without_edge_or_absorption_makes_no_dispatch_long() {
+    let scene = gpu::scene(&json!({
+        "version": 1,
+        "camera": { "position": [0, 0, 0], "target": [0, 0, -1] },
+        "lights": [{ "kind": "point", "position": [0.5, 0.2, -3], "intensity": 1 }],
+        "media": [{ "kind": "homogeneous", "sigma_s": 0.5, "sigma_a": 0 }],
+        "render": { "technique": "reference", "width": 64, "height": 48, "time_seconds": 6 },
+    }));
+    estimate::with_renderer(|renderer| {
+        let mut view = renderer
+            .create_view(Arc::new(scene), 64, 48)
+            .expect("renders");
+        // Software drivers compile in the first dispatch.
+        renderer.render(&mut view, 0).expect("renders");
+        renderer.wait().expect("a device that answers");
+        assert!(view.take_finished().is_some());
+        let started = Instant::now();
+        let mut longest = 0.0_f64;
+        // The paths never end by themselves: each dispatch follows a share of their segments.
+        while started.elapsed().as_secs() < 3 {
+            renderer.render(&mut view, 0).expect("renders");
+            renderer.wait().expect("a device that answers");
+            let Some(frame) = view.take_finished() else {
+                continue;
+            };
+            let pass = frame
+                .pass_times
+                .iter()
+                .find(|time| time.name == "reference");
+            let seconds = pass.map_or(frame.render_micros as f32, |time| time.micros);
+            longest = longest.max(f64::from(seconds) * 1e-6);
+            assert!(frame.stats.unfinished > 0, "every path is endless");
+        }
+        println!("longest dispatch {longest:.3} s");
+        assert!(longest < 1.0, "{longest} s");
+        let still = renderer
+            .render_still(&mut view, |_| {})
+            .expect("the time is up");
+        assert!(
+            started.elapsed().as_secs() < 20,
+            "it ends soon after its time"
+        );
+        assert!(still.truncated > 0, "and says that light is missing");
+    });
 }
