@@ -5,14 +5,39 @@ use crate::error::RenderError;
 use crate::programs::{Bindings, Constants, Programs, RasterTargets};
 use crate::readback::read_now;
 use crate::targets::GBUFFER_FORMATS;
-use tyndall_shaders::Stage;
+use tyndall_shaders::{Stage, types};
 
-/// Runs compute permutation `shader`, built for `medium_count` media, over `workgroups` × 1 × 1 with read-only `buffers` by name, and
-/// returns the bytes of its buffer `outputs`, which starts at zero.
+/// How many of what a probe is built for.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Counts {
+    /// Media.
+    pub media: u32,
+    /// Emissive triangles.
+    pub emitters: u32,
+}
+
+/// [`run_for`] with `medium_count` media and nothing else.
 pub fn run(
     device: &Device,
     shader: &str,
     medium_count: u32,
+    buffers: &[(&'static str, &[u8])],
+    output_bytes: u64,
+    workgroups: u32,
+) -> Result<Vec<u8>, RenderError> {
+    let counts = Counts {
+        media: medium_count,
+        ..Counts::default()
+    };
+    run_for(device, shader, counts, buffers, output_bytes, workgroups)
+}
+
+/// Runs compute permutation `shader`, built for so many things, over `workgroups` × 1 × 1 with read-only `buffers` by name, and
+/// returns the bytes of its buffer `outputs`, which starts at zero.
+pub fn run_for(
+    device: &Device,
+    shader: &str,
+    counts: Counts,
     buffers: &[(&'static str, &[u8])],
     output_bytes: u64,
     workgroups: u32,
@@ -22,7 +47,8 @@ pub fn run(
         device,
         shader,
         Constants {
-            medium_count,
+            medium_count: counts.media,
+            emitter_count: counts.emitters,
             ..Constants::default()
         },
     )?;
@@ -104,7 +130,7 @@ pub fn frame_values(
     scene: &tyndall_scene::Scene,
     size: (u32, u32),
     pixel_offset: [f32; 2],
-) -> tyndall_shaders::types::Frame {
+) -> types::Frame {
     let facts = tyndall_scene::facts(scene);
     crate::gpu_scene::frame_values(
         scene,
@@ -120,7 +146,7 @@ pub fn frame_values(
 }
 
 /// The media of `scene` relative to its camera.
-pub fn medium_values(scene: &tyndall_scene::Scene) -> Vec<tyndall_shaders::types::Medium> {
+pub fn medium_values(scene: &tyndall_scene::Scene) -> Vec<types::Medium> {
     let origin = crate::gpu_scene::Origin(scene.camera.position);
     crate::gpu_scene::all_medium_values(&scene.media, origin)
 }
@@ -129,4 +155,34 @@ pub fn medium_values(scene: &tyndall_scene::Scene) -> Vec<tyndall_shaders::types
 pub fn bvh_bytes(scene: &tyndall_scene::Scene) -> Result<(Vec<u8>, Vec<u8>), RenderError> {
     let parts = crate::gpu_scene::bvh_parts(&scene.geometry, glam::DVec3::ZERO)?;
     Ok((parts.nodes, parts.vertices))
+}
+
+/// What the device knows of `scene`'s emissive triangles, relative to the world's origin.
+#[derive(Debug)]
+pub struct EmitterBytes {
+    /// Three a triangle, in the order of the BVH's leaves.
+    pub vertices: Vec<u8>,
+    /// One a triangle.
+    pub surfaces: Vec<types::TriangleSurface>,
+    /// Without textures.
+    pub materials: Vec<types::Material>,
+    /// By cumulative power.
+    pub emitters: Vec<types::Emitter>,
+}
+
+/// The emissive triangles of `scene`, in buffers.
+pub fn emitter_bytes(scene: &tyndall_scene::Scene) -> Result<EmitterBytes, RenderError> {
+    let parts = crate::gpu_scene::bvh_parts(&scene.geometry, glam::DVec3::ZERO)?;
+    let (surfaces, emitters) = crate::gpu_scene::triangle_values(&scene.geometry, &parts.order);
+    Ok(EmitterBytes {
+        vertices: parts.vertices,
+        surfaces,
+        materials: crate::gpu_scene::material_values(&scene.geometry, None, None),
+        emitters,
+    })
+}
+
+/// Radiance and density of every pixel of a map, and the alias table: threshold's bits, other pixel.
+pub fn environment_values(map: &tyndall_scene::EnvironmentMap) -> (Vec<[f32; 4]>, Vec<[u32; 2]>) {
+    crate::gpu_scene::environment_values(map)
 }

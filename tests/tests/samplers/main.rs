@@ -9,6 +9,7 @@
 mod bsdf;
 mod directions;
 mod distances;
+mod lights;
 mod sobol;
 
 use std::sync::LazyLock;

@@ -24,25 +24,31 @@ fn used(scene: &Scene) -> Option<&EnvironmentMap> {
     (environment.radiance != [0.0; 3]).then_some(map)
 }
 
+/// Radiance and density of every pixel, and the alias table.
+pub(crate) fn environment_values(map: &EnvironmentMap) -> (Vec<[f32; 4]>, Vec<[u32; 2]>) {
+    let distribution = EnvironmentDistribution::new(map);
+    let pixels = map
+        .pixels
+        .iter()
+        .zip(&distribution.pdf)
+        .map(|([r, g, b], pdf)| [*r, *g, *b, *pdf])
+        .collect();
+    let alias = distribution
+        .threshold
+        .iter()
+        .zip(&distribution.alias)
+        .map(|(threshold, alias)| [threshold.to_bits(), *alias])
+        .collect();
+    (pixels, alias)
+}
+
 impl GpuEnvironment {
     /// Uploads the environment map of a scene; `None` without one.
     pub fn upload(device: &Device, scene: &Scene) -> Result<Option<Self>, RenderError> {
         let Some(map) = used(scene) else {
             return Ok(None);
         };
-        let distribution = EnvironmentDistribution::new(map);
-        let pixels: Vec<[f32; 4]> = map
-            .pixels
-            .iter()
-            .zip(&distribution.pdf)
-            .map(|([r, g, b], pdf)| [*r, *g, *b, *pdf])
-            .collect();
-        let alias: Vec<[u32; 2]> = distribution
-            .threshold
-            .iter()
-            .zip(&distribution.alias)
-            .map(|(threshold, alias)| [threshold.to_bits(), *alias])
-            .collect();
+        let (pixels, alias) = environment_values(map);
         let limit = device.device.limits().max_storage_buffer_binding_size;
         check("bytes of environment", pixels.len() as u64 * 16, limit)?;
         let storage = wgpu::BufferUsages::STORAGE;

@@ -13,7 +13,21 @@ pub(super) fn upload(
     textures: Option<&TextureArrays>,
     data: Option<&TextureArrays>,
 ) -> wgpu::Buffer {
-    let values: Vec<types::Material> = source
+    buffer(
+        device,
+        "geometry.materials",
+        bytemuck::cast_slice(&material_values(source, textures, data)),
+        wgpu::BufferUsages::STORAGE,
+    )
+}
+
+/// The materials, with the places of their textures.
+pub(crate) fn material_values(
+    source: &Geometry,
+    textures: Option<&TextureArrays>,
+    data: Option<&TextureArrays>,
+) -> Vec<types::Material> {
+    source
         .materials
         .iter()
         .map(|material| types::Material {
@@ -35,13 +49,7 @@ pub(super) fn upload(
             normal_slot: slot(source, data, material.normal_texture.as_ref()),
             ..Default::default()
         })
-        .collect();
-    buffer(
-        device,
-        "geometry.materials",
-        bytemuck::cast_slice(&values),
-        wgpu::BufferUsages::STORAGE,
-    )
+        .collect()
 }
 
 /// Whether a material is an ideal diffuser: neither metallic nor glossy anywhere.

@@ -17,11 +17,17 @@ pub(crate) use bvh::GpuBvh;
 #[cfg(feature = "probe")]
 pub(crate) use bvh::bvh_parts;
 pub(crate) use environment::GpuEnvironment;
+#[cfg(feature = "probe")]
+pub(crate) use environment::environment_values;
 pub(crate) use geometry::{Draw, DrawClass, GpuGeometry, VERTEX_LAYOUT};
 pub(crate) use grids::GpuGrids;
 #[cfg(feature = "probe")]
 pub(crate) use inputs::frame_values;
 pub(crate) use inputs::{Inputs, SampleValues};
+#[cfg(feature = "probe")]
+pub(crate) use materials::material_values;
 pub(crate) use textures::{TextureArrays, TextureKind};
 pub(crate) use triangles::GpuTriangles;
+#[cfg(feature = "probe")]
+pub(crate) use triangles::triangle_values;
 pub(crate) use values::{Origin, all_medium_values, instance_values, light_values};

@@ -40,7 +40,10 @@ impl GpuTriangles {
 }
 
 /// Attributes in the order of `order`, and the emissive triangles with their cumulative power.
-fn triangle_values(source: &Geometry, order: &[u32]) -> (Vec<TriangleSurface>, Vec<Emitter>) {
+pub(crate) fn triangle_values(
+    source: &Geometry,
+    order: &[u32],
+) -> (Vec<TriangleSurface>, Vec<Emitter>) {
     let all: Vec<Corners<'_>> = corners(source).collect();
     let places = world_triangles(source, DVec3::ZERO);
     let mut surfaces: Vec<TriangleSurface> = order
