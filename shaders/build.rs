@@ -25,26 +25,25 @@ fn main() {
     let features_known = features_used(&root.join("wesl"));
     let mut table = String::from("&[\n");
     let mut failures = Vec::new();
-    for line in list.lines() {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        if line.is_empty() {
-            continue;
-        }
-        let mut words = line.split_whitespace();
-        let name = words.next().expect("line is not empty").to_owned();
-        let Some(entry) = words.next() else {
-            failures.push(format!("{name}: no entry file"));
-            continue;
-        };
+    let permutations: Vec<Permutation> = list.lines().flat_map(permutations_of).collect();
+    let build = |permutation: &Permutation| {
+        let Permutation {
+            name,
+            entry,
+            features: on,
+        } = permutation;
         let mut features = features_known.clone();
-        for feature in words {
-            if features.insert(feature.to_owned(), true).is_none() {
-                failures.push(format!("{name}: no source mentions the feature {feature}"));
+        for feature in on {
+            if features.insert(feature.clone(), true).is_none() {
+                return Err(format!("{name}: no source mentions the feature {feature}"));
             }
         }
-        match build_one(&root, &name, entry, &features, &out) {
+        build_one(&root, name, entry, &features, &out).map_err(|error| format!("{name}: {error}"))
+    };
+    for result in in_parallel(&permutations, build) {
+        match result {
             Ok(row) => table.push_str(&row),
-            Err(error) => failures.push(format!("{name}: {error}")),
+            Err(error) => failures.push(error),
         }
     }
     table.push_str("]\n");
@@ -55,6 +54,70 @@ fn main() {
         failures.join("\n\n")
     );
     std::fs::write(out.join("table.rs"), table).expect("OUT_DIR is writable");
+}
+
+/// A shader to build.
+struct Permutation {
+    name: String,
+    entry: String,
+    features: Vec<String>,
+}
+
+/// The permutations of a line: `name entry feature… [optional|alternatives]…`. Each bracket doubles
+/// them, or more; what is taken of it is appended to the name.
+fn permutations_of(line: &str) -> Vec<Permutation> {
+    let line = line.split('#').next().unwrap_or_default();
+    let mut words = line.split_whitespace();
+    let Some(name) = words.next() else {
+        return Vec::new();
+    };
+    let entry = words.next().unwrap_or_default();
+    let mut found = vec![Permutation {
+        name: name.to_owned(),
+        entry: entry.to_owned(),
+        features: Vec::new(),
+    }];
+    for word in words {
+        let choices = word.strip_prefix('[').and_then(|w| w.strip_suffix(']'));
+        let Some(choices) = choices else {
+            for permutation in &mut found {
+                permutation.features.push(word.to_owned());
+            }
+            continue;
+        };
+        let with = |permutation: &Permutation, choice: &str| {
+            let mut features = permutation.features.clone();
+            features.push(choice.to_owned());
+            Permutation {
+                name: format!("{}+{choice}", permutation.name),
+                entry: permutation.entry.clone(),
+                features,
+            }
+        };
+        let chosen: Vec<Permutation> = choices
+            .split('|')
+            .flat_map(|choice| found.iter().map(move |p| with(p, choice)))
+            .collect();
+        found.extend(chosen);
+    }
+    found
+}
+
+/// Results of `work` on every item, in order, on all cores.
+fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let chunk = items.len().div_ceil(cores).max(1);
+    let work = &work;
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = items
+            .chunks(chunk)
+            .map(|part| scope.spawn(move || part.iter().map(work).collect::<Vec<R>>()))
+            .collect();
+        let done = threads
+            .into_iter()
+            .map(|thread| thread.join().expect("a builder panicked"));
+        done.flatten().collect()
+    })
 }
 
 /// Every feature named in an `@if` of some source, all off.

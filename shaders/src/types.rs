@@ -126,6 +126,16 @@ mirrors! {
         medium_scatterings: u32,
     }
 
+    /// Box and samples of the grids' optical depth toward each light.
+    struct LightVolume {
+        low: [f32; 3],
+        lights: u32,
+        high: [f32; 3],
+        padding: u32,
+        size: [u32; 3],
+        padding_end: u32,
+    }
+
     /// A light with a position or a direction.
     struct Light {
         position: [f32; 3],

@@ -6,4 +6,5 @@ pub mod estimate;
 pub mod gpu;
 pub mod npz;
 pub use tyndall_bench::pm_ref;
+pub mod published;
 pub mod shared_folder;

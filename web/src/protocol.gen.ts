@@ -262,7 +262,7 @@ input?: number, };
 /**
  * What the planner knows about a scene; see `SceneFacts` for the exact meanings.
  */
-export type Facts = { triangles: number, instances: number, textures: number, data_textures: number, alpha_masked_instances: number, emissive_triangles: number, point_lights: number, spot_lights: number, directional_lights: number, environment: boolean, environment_map: boolean, media: number, grids: number, heterogeneous: boolean, scatters: boolean, medium_emits: boolean, anisotropic: boolean, max_abs_g: number, max_albedo: number, 
+export type Facts = { triangles: number, instances: number, textures: number, data_textures: number, alpha_masked_instances: number, emissive_triangles: number, point_lights: number, spot_lights: number, directional_lights: number, shadow_casters: number, environment: boolean, environment_map: boolean, media: number, grids: number, heterogeneous: boolean, scatters: boolean, medium_emits: boolean, anisotropic: boolean, max_abs_g: number, max_albedo: number, 
 /**
  * An infinite thickness is the largest finite number: JSON knows no infinity.
  */
@@ -1009,7 +1009,17 @@ steps: number,
 /**
  * Random position inside each stratum; otherwise its midpoint.
  */
-jitter: boolean, };
+jitter: boolean, 
+/**
+ * Side of the tile of pixels that share the strata of one ray: 1, 2, 4 or 8. Above 1, each pixel
+ * takes its share of them and gathers the rest from its neighbours.
+ */
+interleave: number, 
+/**
+ * Half of the strata of lights with a position equiangular about them, weighted by the balance
+ * heuristic: less noise near lights.
+ */
+equiangular: boolean, };
 
 /**
  * A tessellated sphere.

@@ -36,7 +36,7 @@ const SCENE: SceneDescription = {
     height: 360,
     seed: 0,
     reference: { medium_order: 'all' },
-    single_scattering: { steps: 32, jitter: true },
+    single_scattering: { steps: 32, jitter: true, interleave: 1, equiangular: false },
     shadows: { mode: 'mapped', resolution: 1024 },
   },
 };

@@ -65,15 +65,56 @@ impl<'a> Recording<'a> {
             .compute(self.device, variant, self.constants)?;
         let groups = program.bind(self.device, bindings)?;
         let [x, y] = program.workgroups(width, height);
-        let mut pass = self
-            .encoder
-            .begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(name),
-                timestamp_writes: self.timing.compute(&mut self.frame_timing, name),
-            });
+        let mut pass = self.compute_pass(name);
         program.set(&mut pass, &groups);
         pass.dispatch_workgroups(x, y, 1);
         Ok(())
+    }
+
+    /// Dispatches permutation `name` over a volume.
+    pub fn compute_volume(
+        &mut self,
+        name: &'static str,
+        bindings: &Bindings<'_>,
+        size: [u32; 3],
+    ) -> Result<(), RenderError> {
+        let program = self.programs.compute(self.device, name, self.constants)?;
+        let groups = program.bind(self.device, bindings)?;
+        let mut pass = self.compute_pass(name);
+        program.set(&mut pass, &groups);
+        let [x, y, z] = program.groups(size);
+        pass.dispatch_workgroups(x, y, z);
+        Ok(())
+    }
+
+    /// Dispatches as many groups as the first three words of `list` say; they are copied to `counts`,
+    /// since a buffer that a shader reads may not say how often it runs.
+    pub fn compute_indirect(
+        &mut self,
+        name: &'static str,
+        variant: &str,
+        bindings: &Bindings<'_>,
+        counts: &wgpu::Buffer,
+        list: &wgpu::Buffer,
+    ) -> Result<(), RenderError> {
+        let program = self
+            .programs
+            .compute(self.device, variant, self.constants)?;
+        let groups = program.bind(self.device, bindings)?;
+        self.encoder
+            .copy_buffer_to_buffer(list, 0, counts, 0, Some(12));
+        let mut pass = self.compute_pass(name);
+        program.set(&mut pass, &groups);
+        pass.dispatch_workgroups_indirect(counts, 0);
+        Ok(())
+    }
+
+    fn compute_pass(&mut self, name: &'static str) -> wgpu::ComputePass<'_> {
+        self.encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(name),
+                timestamp_writes: self.timing.compute(&mut self.frame_timing, name),
+            })
     }
 
     /// Clears the attachments and draws.

@@ -36,6 +36,14 @@ pub(crate) fn record(
         parts.bind(&mut bindings);
         let (targets, variant) = (parts.targets, planned.variant.as_str());
         match planned.pass {
+            PassKind::LightVolume => {
+                if let Some(volume) = parts.light_volume.filter(|_| parts.fill_volume) {
+                    volume.record(recording, &bindings)?;
+                }
+            }
+            PassKind::Gather => {
+                single_scattering::record_gather(recording, &bindings, targets, variant)?;
+            }
             // Built when the view took the geometry.
             PassKind::Bvh | PassKind::ShadowMaps => {}
             PassKind::Gbuffer => {

@@ -18,8 +18,12 @@ pub enum PassKind {
     Gbuffer,
     /// Direct light of surfaces, attenuated.
     Shade,
+    /// Optical depth of density grids toward the lights; filled again only when either changes.
+    LightVolume,
     /// Light scattered once in the media.
     SingleScattering,
+    /// Brings interleaved strata together.
+    Gather,
     /// Unbiased path tracing of everything.
     Reference,
     /// Running mean and statistics.
@@ -38,7 +42,9 @@ impl PassKind {
             Self::ShadowMaps => "shadow_maps",
             Self::Gbuffer => "gbuffer",
             Self::Shade => "shade",
+            Self::LightVolume => "light_volume",
             Self::SingleScattering => "single_scattering",
+            Self::Gather => "gather",
             Self::Reference => "reference",
             Self::Film => "film",
             Self::Estimate => "estimate",
@@ -117,8 +123,8 @@ impl FramePlan {
 }
 
 /// How visibility is found once everything is known.
-fn visibility(facts: &SceneFacts, settings: &RenderSettings, lights: usize) -> ShadowMode {
-    if lights == 0 || facts.triangles == 0 {
+fn visibility(facts: &SceneFacts, settings: &RenderSettings) -> ShadowMode {
+    if facts.shadow_casters == 0 || facts.triangles == 0 {
         ShadowMode::Off
     } else {
         settings.shadows.mode
@@ -132,7 +138,7 @@ pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) 
     }
     let mut plan = FramePlan::default();
     let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
-    let shadows = visibility(facts, settings, lights);
+    let shadows = visibility(facts, settings);
     plan_visibility(&mut plan, facts, settings, lights, shadows);
     let suffix = match shadows {
         ShadowMode::Off => "",
@@ -178,15 +184,18 @@ pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) 
             ),
         );
     }
+    let grids = if facts.grids > 0 { "+grids" } else { "" };
+    plan_light_volume(&mut plan, facts, lights);
     plan.run(
         PassKind::Shade,
-        &format!("shade{emissive}{media}{suffix}"),
+        &format!("shade{emissive}{media}{suffix}{grids}"),
         format!(
             "{lights} lights on surfaces, attenuated by {} media",
             facts.media
         ),
     );
-    let marched = plan_march(&mut plan, facts, settings, lights, suffix, *limits);
+    let suffix = format!("{suffix}{grids}");
+    let marched = plan_march(&mut plan, facts, settings, lights, &suffix, *limits);
     plan.run(
         PassKind::Film,
         if marched { "film+in_scatter" } else { "film" },
@@ -212,11 +221,13 @@ fn plan_reference(facts: &SceneFacts) -> FramePlan {
     plan.skip(PassKind::ShadowMaps, "", "visibility is traced");
     plan.skip(PassKind::Gbuffer, "", "paths start at the camera");
     plan.skip(PassKind::Shade, "", "paths light surfaces");
+    plan.skip(PassKind::LightVolume, "", "paths track through grids");
     plan.skip(
         PassKind::SingleScattering,
         "",
         "paths scatter any number of times",
     );
+    plan.skip(PassKind::Gather, "", "paths are not interleaved");
     let mut variant = String::from("reference");
     if surfaces {
         variant.push_str("+surfaces");
@@ -260,6 +271,8 @@ fn plan_visibility(
         "no lights"
     } else if facts.triangles == 0 {
         "no surfaces that could cast a shadow"
+    } else if facts.shadow_casters == 0 {
+        "no light casts shadows"
     } else {
         "shadows are off"
     };
@@ -291,6 +304,26 @@ fn plan_visibility(
     }
 }
 
+fn plan_light_volume(plan: &mut FramePlan, facts: &SceneFacts, lights: usize) {
+    let pass = PassKind::LightVolume;
+    if facts.grids == 0 {
+        plan.skip(
+            pass,
+            "",
+            "no density grids: optical depths have closed forms",
+        );
+    } else {
+        plan.run(
+            pass,
+            "",
+            format!(
+                "depth of {} grids toward {lights} lights, kept until either changes",
+                facts.grids
+            ),
+        );
+    }
+}
+
 fn plan_march(
     plan: &mut FramePlan,
     facts: &SceneFacts,
@@ -307,40 +340,127 @@ fn plan_march(
     } else if lights == 0 && !facts.medium_emits {
         "no light to scatter"
     } else {
-        let phase = if facts.anisotropic {
-            "anisotropic"
-        } else {
+        if !facts.anisotropic {
             plan.skip(pass, "phase function", "g = 0 everywhere: 1/4π");
-            "isotropic"
-        };
-        let wanted = settings.single_scattering.steps;
-        let steps = march_steps(facts, settings, limits);
-        let mut why = format!(
-            "{steps} steps a ray, {lights} lights, {} media",
-            facts.media
+        }
+        if !facts.medium_emits {
+            plan.skip(pass, "emission", "no medium emits");
+        }
+        let march = March::of(facts, settings, limits);
+        plan.run(
+            pass,
+            &format!("single_scattering{suffix}"),
+            march.reason(facts, settings, lights, limits),
         );
-        if steps < wanted {
+        if march.interleave > 1 {
+            let side = march.interleave;
+            plan.run(
+                PassKind::Gather,
+                &format!("single_scattering+list{suffix}"),
+                format!("strata of {side}×{side} pixels; what is at no neighbour's distance is marched in full"),
+            );
+        } else {
+            plan.skip(PassKind::Gather, "", "every pixel takes all strata");
+        }
+        return true;
+    };
+    plan.skip(pass, "", reason);
+    plan.skip(PassKind::Gather, "", "nothing is marched");
+    false
+}
+
+/// How rays are marched once everything is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct March {
+    /// Strata or nodes a ray.
+    pub steps: u32,
+    /// Side of the tile of pixels that share them.
+    pub interleave: u32,
+    /// Whether half of them are equiangular about the light.
+    pub equiangular: bool,
+    /// Whether they are a Gauss rule's nodes.
+    pub quadrature: bool,
+}
+
+/// Nodes of the Gauss rule.
+const NODES: u32 = 32;
+
+impl March {
+    /// Decides it for a scene with these facts.
+    pub fn of(facts: &SceneFacts, settings: &RenderSettings, limits: PlanLimits) -> Self {
+        let wanted = &settings.single_scattering;
+        let unshadowed = visibility(facts, settings) == ShadowMode::Off;
+        // A cone has edges, a narrow lobe a peak, a grid anything: no rule of few nodes sees them.
+        let smooth = !facts.heterogeneous && facts.spot_lights == 0 && facts.max_abs_g <= 0.5;
+        let most = loop_budget(facts, settings, limits);
+        if unshadowed && smooth && wanted.steps > NODES && most >= NODES {
+            return Self {
+                steps: NODES,
+                interleave: 1,
+                equiangular: false,
+                quadrature: true,
+            };
+        }
+        let interleave = wanted.interleave.max(1);
+        // Strata of a summed optical depth follow one another: they cannot be of two kinds.
+        let equiangular =
+            wanted.equiangular && facts.grids == 0 && facts.point_lights + facts.spot_lights > 0;
+        // Every rank has as many, of both kinds.
+        let share = interleave * interleave * if equiangular { 2 } else { 1 };
+        let steps = wanted.steps.next_multiple_of(share);
+        Self {
+            steps: if steps <= most {
+                steps
+            } else {
+                (most / share * share).max(share)
+            },
+            interleave,
+            equiangular,
+            quadrature: false,
+        }
+    }
+
+    fn reason(
+        self,
+        facts: &SceneFacts,
+        settings: &RenderSettings,
+        lights: usize,
+        limits: PlanLimits,
+    ) -> String {
+        let wanted = settings.single_scattering.steps;
+        let Self {
+            steps, interleave, ..
+        } = self;
+        let kind = match (self.quadrature, self.equiangular) {
+            (true, _) => "Gauss nodes",
+            (false, true) => "strata, half of them equiangular,",
+            (false, false) => "strata",
+        };
+        let media = facts.media;
+        let mut why = format!("{steps} {kind} a ray, {lights} lights, {media} media");
+        if self.quadrature {
+            why = format!(
+                "{why}; nothing along a ray is in shadow or varies: {wanted} strata are not needed"
+            );
+        } else if steps > wanted {
+            why = format!(
+                "{why}; a multiple of {} of the {wanted} asked for",
+                interleave * interleave
+            );
+        } else if steps < wanted {
             why = format!(
                 "{why}; {wanted} were asked for, but this driver stops a shader after {} loop iterations",
                 limits.loop_cap.unwrap_or_default()
             );
         }
-        plan.run(pass, &format!("single_scattering+{phase}{suffix}"), why);
-        return true;
-    };
-    plan.skip(pass, "", reason);
-    false
+        why
+    }
 }
 
-/// Steps of the march that keep an invocation below the driver's loop cap.
-pub(crate) fn march_steps(
-    facts: &SceneFacts,
-    settings: &RenderSettings,
-    limits: PlanLimits,
-) -> u32 {
-    let wanted = settings.single_scattering.steps;
+/// Most steps of a march that keep an invocation below the driver's loop cap.
+fn loop_budget(facts: &SceneFacts, settings: &RenderSettings, limits: PlanLimits) -> u32 {
     let Some(cap) = limits.loop_cap else {
-        return wanted;
+        return u32::MAX;
     };
     let lights = (facts.point_lights + facts.spot_lights + facts.directional_lights).max(1) as u32;
     let media = facts.media.max(1) as u32;
@@ -352,7 +472,7 @@ pub(crate) fn march_steps(
     };
     // Emission visits the media twice a step; each light for its source and for both legs.
     let per_step = 1 + 2 * media + lights * (1 + 3 * media + per_ray);
-    wanted.min(((cap - 2000) / per_step).max(1))
+    ((cap - 2000) / per_step).max(1)
 }
 
 impl fmt::Display for FramePlan {

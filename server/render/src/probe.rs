@@ -140,7 +140,11 @@ pub fn frame_values(
         crate::gpu_scene::SampleValues {
             pixel_offset,
             sample_index: 0,
-            march_steps: scene.render.single_scattering.steps,
+            march: crate::plan::March::of(
+                &facts,
+                &scene.render,
+                crate::plan::PlanLimits::default(),
+            ),
         },
     )
 }

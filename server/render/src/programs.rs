@@ -32,6 +32,14 @@ pub(crate) struct Constants {
     pub finds_light: bool,
     /// Whether a medium glows.
     pub glows: bool,
+    /// Whether every phase function is constant.
+    pub isotropic: bool,
+    /// Side of the tile of pixels that share a ray's strata.
+    pub interleave: u32,
+    /// Whether half of the strata are equiangular about the light.
+    pub equiangular: bool,
+    /// Whether a Gauss rule takes the place of strata.
+    pub quadrature: bool,
 }
 
 impl Constants {
@@ -44,6 +52,10 @@ impl Constants {
             "CHROMATIC_GRIDS" => Some(f64::from(self.chromatic_grids)),
             "FINDS_LIGHT" => Some(f64::from(self.finds_light)),
             "GLOWS" => Some(f64::from(self.glows)),
+            "ISOTROPIC" => Some(f64::from(self.isotropic)),
+            "INTERLEAVE" => Some(f64::from(self.interleave)),
+            "EQUIANGULAR" => Some(f64::from(self.equiangular)),
+            "QUADRATURE" => Some(f64::from(self.quadrature)),
             _ => None,
         }
     }
@@ -60,6 +72,10 @@ impl Constants {
             chromatic_grids: self.chromatic_grids && declares("CHROMATIC_GRIDS"),
             finds_light: self.finds_light && declares("FINDS_LIGHT"),
             glows: self.glows && declares("GLOWS"),
+            isotropic: self.isotropic && declares("ISOTROPIC"),
+            interleave: kept(self.interleave, "INTERLEAVE"),
+            equiangular: self.equiangular && declares("EQUIANGULAR"),
+            quadrature: self.quadrature && declares("QUADRATURE"),
         }
     }
 }
@@ -255,8 +271,14 @@ impl ComputeProgram {
 
     /// Workgroups that cover `width` × `height` invocations.
     pub fn workgroups(&self, width: u32, height: u32) -> [u32; 2] {
-        let [x, y, _] = self.shader.workgroup_size();
-        [width.div_ceil(x), height.div_ceil(y)]
+        let [x, y, _] = self.groups([width, height, 1]);
+        [x, y]
+    }
+
+    /// Workgroups that cover a volume of invocations.
+    pub fn groups(&self, size: [u32; 3]) -> [u32; 3] {
+        let side = self.shader.workgroup_size();
+        std::array::from_fn(|axis| size[axis].div_ceil(side[axis]))
     }
 }
 

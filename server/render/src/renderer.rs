@@ -11,11 +11,12 @@ use crate::error::RenderError;
 use crate::frame;
 use crate::gpu_scene::{AssetCache, SampleValues};
 use crate::image::Work;
-use crate::plan::{PassKind, PlanLimits, march_steps};
+use crate::plan::{March, PassKind, PlanLimits};
 use crate::programs::{Constants, Programs};
 use crate::readback::{FrameMeta, statistics_scale, wait};
 use crate::self_test::SelfTest;
 use crate::supported::check_supported;
+use crate::techniques::single_scattering::LightVolume;
 use crate::view::{View, ViewParts};
 
 /// Renders views on one device. Single-threaded: one thread owns it.
@@ -135,6 +136,9 @@ impl Renderer {
                 &view.shadows,
                 view.shadow_mode(),
             );
+            if let Some(volume) = &view.light_volume {
+                volume.upload(&self.device, view.scene.camera.position);
+            }
             view.stale = false;
         }
         let (width, height) = view.size();
@@ -149,7 +153,7 @@ impl Renderer {
         let sample = SampleValues {
             pixel_offset: view.image.pixel_offset(),
             sample_index: view.image.samples(),
-            march_steps: march_steps(&view.facts, &view.scene.render, view.limits()),
+            march: March::of(&view.facts, &view.scene.render, view.limits()),
         };
         view.inputs.upload_frame(
             &self.device,
@@ -167,6 +171,7 @@ impl Renderer {
                 &view.scene,
                 &view.facts,
                 view.assets.geometry.emitter_count(),
+                view.limits(),
             ),
         );
         let mut parts = ViewParts {
@@ -174,6 +179,11 @@ impl Renderer {
             targets: &view.targets,
             inputs: &view.inputs,
             shadows: &mut view.shadows,
+            fill_volume: view
+                .light_volume
+                .as_mut()
+                .is_some_and(LightVolume::take_stale),
+            light_volume: view.light_volume.as_ref(),
         };
         frame::record(&mut recording, &view.plan, &mut parts, work, slice)?;
         view.ring.record(
@@ -234,7 +244,13 @@ impl Renderer {
 }
 
 /// What pipelines are built for.
-fn constants(scene: &Scene, facts: &SceneFacts, emitter_count: u32) -> Constants {
+fn constants(
+    scene: &Scene,
+    facts: &SceneFacts,
+    emitter_count: u32,
+    limits: PlanLimits,
+) -> Constants {
+    let march = March::of(facts, &scene.render, limits);
     let chromatic = |medium: &Medium| {
         let grey = |rgb: [f32; 3]| rgb == [rgb[0]; 3];
         let sigma_t: [f32; 3] = std::array::from_fn(|c| medium.sigma_s[c] + medium.sigma_a[c]);
@@ -249,5 +265,9 @@ fn constants(scene: &Scene, facts: &SceneFacts, emitter_count: u32) -> Constants
         chromatic_grids: scene.media.iter().any(|m| chromatic(m) && in_grid(m)),
         finds_light: emitter_count > 0 || facts.environment,
         glows: facts.medium_emits,
+        isotropic: !facts.anisotropic,
+        interleave: march.interleave,
+        equiangular: march.equiangular,
+        quadrature: march.quadrature,
     }
 }

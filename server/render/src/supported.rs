@@ -1,7 +1,7 @@
 //! What a scene may ask for that is not rendered yet: refused by name, never ignored.
 
 use tyndall_scene::Scene;
-use tyndall_scene::{MediumShape, ShadowMode, StopRule, Technique};
+use tyndall_scene::{ShadowMode, StopRule, Technique};
 
 /// The fields of a scene that are valid but not rendered yet.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -32,11 +32,6 @@ pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
     }
     if scene.environment.is_some() && !traced {
         fields.push("lights: kind environment".into());
-    }
-    for (i, medium) in scene.media.iter().enumerate() {
-        if matches!(medium.shape, MediumShape::Grid { .. }) && !traced {
-            fields.push(format!("media[{i}]: kind grid"));
-        }
     }
     let masked = scene
         .geometry

@@ -19,6 +19,8 @@ pub(crate) struct Targets {
     pub surface_radiance: wgpu::TextureView,
     /// Present when the plan marches.
     pub in_scattered_radiance: Option<wgpu::TextureView>,
+    /// Present when the march is interleaved.
+    pub interleaved: Option<InterleavedTargets>,
     /// Four f32 a pixel.
     pub film: wgpu::Buffer,
     /// Present when the plan traces paths.
@@ -40,11 +42,67 @@ pub(crate) struct ReferenceTargets {
     pub tile_sums: wgpu::Buffer,
 }
 
+/// What the interleaved march and its gathering keep.
+#[derive(Debug)]
+pub(crate) struct InterleavedTargets {
+    /// A share of the in-scatter, and the distance at which the march ended.
+    pub marched_radiance: wgpu::TextureView,
+    /// Gathered along the rows.
+    pub gathered_rows: wgpu::TextureView,
+    /// See `techniques/single_scattering/pixel_list.wesl`.
+    pub rejected_pixels: wgpu::Buffer,
+    /// Its counts of groups.
+    pub dispatched_pixels: wgpu::Buffer,
+    /// An empty list's first words.
+    empty_list: wgpu::Buffer,
+}
+
+impl InterleavedTargets {
+    fn new(device: &Device, pixels: u64, texture: impl Fn(&str) -> wgpu::TextureView) -> Self {
+        let buffer = |label: &str, size: u64, usage: wgpu::BufferUsages| {
+            device.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let copied = wgpu::BufferUsages::COPY_DST;
+        let listed = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let none: [u32; 4] = [0, 1, 1, 0];
+        Self {
+            marched_radiance: texture("marched_radiance"),
+            gathered_rows: texture("gathered_rows"),
+            rejected_pixels: buffer("rejected_pixels", 16 + 4 * pixels, listed | copied),
+            dispatched_pixels: buffer(
+                "dispatched_pixels",
+                12,
+                wgpu::BufferUsages::INDIRECT | copied,
+            ),
+            empty_list: wgpu::util::DeviceExt::create_buffer_init(
+                &device.device,
+                &wgpu::util::BufferInitDescriptor {
+                    label: Some("empty_list"),
+                    contents: bytemuck::cast_slice(&none),
+                    usage: wgpu::BufferUsages::COPY_SRC,
+                },
+            ),
+        }
+    }
+
+    /// Records the emptying of the list.
+    pub fn empty_list(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.copy_buffer_to_buffer(&self.empty_list, 0, &self.rejected_pixels, 0, Some(16));
+    }
+}
+
 /// Which optional targets a plan uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(clippy::struct_excessive_bools, reason = "independent targets")]
 pub(crate) struct TargetNeeds {
     pub emission: bool,
     pub in_scatter: bool,
+    pub interleaved: bool,
     pub reference: bool,
 }
 
@@ -114,6 +172,10 @@ impl Targets {
             in_scattered_radiance: needs
                 .in_scatter
                 .then(|| texture("in_scattered_radiance", radiance, stored)),
+            interleaved: needs.interleaved.then(|| {
+                let stored = |label: &str| texture(label, radiance, stored);
+                InterleavedTargets::new(device, pixels, stored)
+            }),
             reference: needs.reference.then(|| ReferenceTargets {
                 moments: buffer("moments", 32),
                 film_surface: buffer("film_surface", 32),

@@ -15,6 +15,7 @@ use crate::readback::{FinishedFrame, ReadbackRing};
 use crate::slices::Slices;
 use crate::targets::{TargetNeeds, Targets};
 use crate::techniques::shadow_maps::ShadowMaps;
+use crate::techniques::single_scattering::LightVolume;
 use crate::timing::Timing;
 
 /// A picture being made. Created and driven by a [`Renderer`](crate::Renderer).
@@ -27,6 +28,7 @@ pub struct View {
     pub(crate) targets: Targets,
     pub(crate) inputs: Inputs,
     pub(crate) shadows: ShadowMaps,
+    pub(crate) light_volume: Option<LightVolume>,
     pub(crate) image: Image,
     pub(crate) slices: Slices,
     pub(crate) ring: ReadbackRing,
@@ -42,6 +44,9 @@ pub(crate) struct ViewParts<'a> {
     pub targets: &'a Targets,
     pub inputs: &'a Inputs,
     pub shadows: &'a mut ShadowMaps,
+    pub light_volume: Option<&'a LightVolume>,
+    /// Whether the light volume has to be filled.
+    pub fill_volume: bool,
 }
 
 impl ViewParts<'_> {
@@ -73,7 +78,22 @@ impl ViewParts<'_> {
                 .buffer("tile_sums", &reference.tile_sums);
         }
         if let Some(radiance) = &targets.in_scattered_radiance {
-            bindings.texture("in_scattered_radiance", radiance);
+            bindings
+                .texture("in_scattered_radiance", radiance)
+                .texture("in_scattered_radiance_written", radiance);
+            // Without interleaving the march's share is all of it.
+            let marched = targets.interleaved.as_ref();
+            let marched = marched.map_or(radiance, |targets| &targets.marched_radiance);
+            bindings.texture("marched_radiance", marched);
+        }
+        if let Some(interleaved) = &targets.interleaved {
+            bindings
+                .texture("gathered_rows", &interleaved.gathered_rows)
+                .texture("gathered_rows_written", &interleaved.gathered_rows)
+                .buffer("rejected_pixels", &interleaved.rejected_pixels);
+        }
+        if let Some(volume) = self.light_volume {
+            volume.bind(bindings);
         }
         self.assets.bind(bindings);
         self.shadows.bind(bindings);
@@ -97,6 +117,7 @@ impl View {
             targets: Targets::new(device, width, height, needs(&plan))?,
             inputs: Inputs::new(device, &scene),
             shadows,
+            light_volume: light_volume_for(device, &scene, &plan)?,
             image: Image::new(),
             slices: Slices::new(slice_budget(device)),
             ring: ReadbackRing::new(device, width, height),
@@ -129,6 +150,12 @@ impl View {
         };
         need_geometry(device, &assets.geometry, &plan)?;
         fit_shadows(&mut self.shadows, device, &scene, &facts, &plan)?;
+        let served = |volume: &LightVolume| volume.serves(&scene);
+        if !plan.runs(PassKind::LightVolume) {
+            self.light_volume = None;
+        } else if !self.light_volume.as_ref().is_some_and(served) {
+            self.light_volume = light_volume_for(device, &scene, &plan)?;
+        }
         if change.geometry {
             self.shadows.invalidate();
         }
@@ -264,6 +291,19 @@ fn need_geometry(
     }
 }
 
+/// The volume of the grids' depths toward the lights, if the plan looks it up.
+fn light_volume_for(
+    device: &Device,
+    scene: &Scene,
+    plan: &FramePlan,
+) -> Result<Option<LightVolume>, RenderError> {
+    if plan.runs(PassKind::LightVolume) {
+        LightVolume::new(device, scene)
+    } else {
+        Ok(None)
+    }
+}
+
 /// Fits the depth maps to what the plan looks up in them.
 fn fit_shadows(
     shadows: &mut ShadowMaps,
@@ -285,6 +325,7 @@ fn needs(plan: &FramePlan) -> TargetNeeds {
             .variant(PassKind::Shade)
             .is_some_and(|variant| variant.contains("+emissive")),
         in_scatter: plan.runs(PassKind::SingleScattering),
+        interleaved: plan.runs(PassKind::Gather),
         reference: plan.runs(PassKind::Reference),
     }
 }

@@ -222,6 +222,8 @@ fn render(render: &RenderDescription) -> RenderSettings {
         single_scattering: SingleScatteringSettings {
             steps: render.single_scattering.steps,
             jitter: render.single_scattering.jitter,
+            interleave: render.single_scattering.interleave,
+            equiangular: render.single_scattering.equiangular,
         },
         reference: ReferenceSettings {
             max_scatterings: render.reference.max_scatterings,

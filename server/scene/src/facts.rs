@@ -33,6 +33,8 @@ pub struct SceneFacts {
     pub spot_lights: usize,
     /// Directional lights with non-zero irradiance.
     pub directional_lights: usize,
+    /// Those of these lights that cast shadows.
+    pub shadow_casters: usize,
     /// Whether radiance arrives from infinity.
     pub environment: bool,
     /// Whether that radiance comes from a map.
@@ -110,6 +112,11 @@ pub fn facts(scene: &Scene) -> SceneFacts {
             Light::Directional(light) => Some(light.irradiance),
             _ => None,
         }),
+        shadow_casters: scene
+            .lights
+            .iter()
+            .filter(|light| light.casts_shadows() && light.is_lit())
+            .count(),
         environment: scene
             .environment
             .as_ref()

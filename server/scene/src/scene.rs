@@ -235,6 +235,16 @@ impl Light {
             Self::Directional(light) => light.casts_shadows,
         }
     }
+
+    /// Whether it sends anything at all.
+    pub fn is_lit(&self) -> bool {
+        let power = match self {
+            Self::Point(light) => light.intensity,
+            Self::Spot(light) => light.intensity,
+            Self::Directional(light) => light.irradiance,
+        };
+        power.iter().any(|channel| *channel > 0.0)
+    }
 }
 
 /// Isotropic point light.
@@ -429,6 +439,10 @@ pub struct SingleScatteringSettings {
     pub steps: u32,
     /// Random position inside each stratum; otherwise its midpoint.
     pub jitter: bool,
+    /// Side M of the tile of pixels that share the strata of one ray: 1, 2, 4 or 8.
+    pub interleave: u32,
+    /// Whether half of the strata of lights with a position are equiangular about them.
+    pub equiangular: bool,
 }
 
 /// Which paths the `reference` counts: those that keep all three rules.

@@ -59,6 +59,25 @@ export function addQuality(
     },
   );
   addCheckbox(folder, jitter, 'Jitter');
+  const interleave = touch(
+    () => march.interleave,
+    (value) => {
+      march.interleave = value;
+    },
+  );
+  addSelect(folder, interleave, 'Interleaved', [
+    { value: 1, label: 'no' },
+    { value: 2, label: '2 × 2' },
+    { value: 4, label: '4 × 4' },
+    { value: 8, label: '8 × 8' },
+  ]);
+  const equiangular = touch(
+    () => march.equiangular,
+    (value) => {
+      march.equiangular = value;
+    },
+  );
+  addCheckbox(folder, equiangular, 'Equiangular');
   const mode = touch<ShadowMode>(
     () => render.shadows.mode,
     (value) => {

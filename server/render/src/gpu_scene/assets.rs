@@ -15,7 +15,6 @@ use crate::programs::Bindings;
 #[derive(Debug, Clone)]
 pub(crate) struct GpuAssets {
     pub geometry: Arc<GpuGeometry>,
-    /// Only where paths are traced: no other pass reads grids.
     pub grids: Option<Arc<GpuGrids>>,
     /// Only where paths are traced: no other pass reads it.
     pub environment: Option<Arc<GpuEnvironment>>,
@@ -49,16 +48,11 @@ impl AssetCache {
         let traced = scene.render.technique == Technique::Reference;
         Ok(GpuAssets {
             geometry,
-            grids: traced
-                .then(|| {
-                    find_or(
-                        &mut self.grids,
-                        |known| known.serve(scene),
-                        || GpuGrids::upload(device, scene),
-                    )
-                })
-                .transpose()?
-                .flatten(),
+            grids: find_or(
+                &mut self.grids,
+                |known| known.serve(scene),
+                || GpuGrids::upload(device, scene),
+            )?,
             environment: traced
                 .then(|| {
                     find_or(

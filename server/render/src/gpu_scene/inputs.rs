@@ -6,6 +6,7 @@ use tyndall_shaders::types;
 
 use super::{GpuAssets, Origin, all_medium_values, instance_values, light_values};
 use crate::device::Device;
+use crate::plan::March;
 use crate::readback::statistics_scale;
 use crate::slices::Slice;
 use crate::techniques::shadow_maps::{ShadowMaps, columns};
@@ -31,7 +32,7 @@ pub(crate) struct Inputs {
 pub(crate) struct SampleValues {
     pub pixel_offset: [f32; 2],
     pub sample_index: u32,
-    pub march_steps: u32,
+    pub march: March,
 }
 
 impl Inputs {
@@ -190,7 +191,7 @@ pub(crate) fn frame_values(
         sample_index: sample.sample_index,
         seed: (scene.render.seed ^ (scene.render.seed >> 32)) as u32,
         background: environment.map_or([0.0; 3], |environment| environment.radiance),
-        march_steps: sample.march_steps,
+        march_steps: sample.march.steps,
         march_jitter: scene.render.single_scattering.jitter.into(),
         exposure_scale: exposure_scale(camera.exposure_ev),
         statistics_scale: statistics_scale(width, height),

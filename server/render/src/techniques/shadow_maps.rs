@@ -92,7 +92,7 @@ impl ShadowMaps {
         let first = lights
             .iter()
             .map(|light| {
-                let bounds = casters.filter(|_| light.casts_shadows() && is_lit(light))?;
+                let bounds = casters.filter(|_| light.casts_shadows() && light.is_lit())?;
                 let first = poses.len() as u32;
                 poses.extend(poses_of(light, bounds, resolution));
                 Some(first)
@@ -295,15 +295,6 @@ impl Maps {
             pass_views: buffer("shadow_views.passes", u64::from(layers) * STRIDE),
         })
     }
-}
-
-fn is_lit(light: &Light) -> bool {
-    let power = match light {
-        Light::Point(light) => light.intensity,
-        Light::Spot(light) => light.intensity,
-        Light::Directional(light) => light.irradiance,
-    };
-    power.iter().any(|channel| *channel > 0.0)
 }
 
 fn poses_of(light: &Light, casters: Aabb, resolution: u32) -> Vec<Pose> {

@@ -46,6 +46,12 @@ pub struct SingleScattering {
     pub steps: u32,
     /// Random position inside each stratum; otherwise its midpoint.
     pub jitter: bool,
+    /// Side of the tile of pixels that share the strata of one ray: 1, 2, 4 or 8. Above 1, each pixel
+    /// takes its share of them and gathers the rest from its neighbours.
+    pub interleave: u32,
+    /// Half of the strata of lights with a position equiangular about them, weighted by the balance
+    /// heuristic: less noise near lights.
+    pub equiangular: bool,
 }
 
 /// Which paths the `reference` counts; all of them if nothing is said.
@@ -142,6 +148,8 @@ impl Default for SingleScattering {
         Self {
             steps: 32,
             jitter: true,
+            interleave: 1,
+            equiangular: false,
         }
     }
 }

@@ -56,6 +56,14 @@ pub(super) fn check(render: &RenderDescription, path: &JsonPath) -> Result<(), S
         1,
         4096,
     )?;
+    let side = render.single_scattering.interleave;
+    if !matches!(side, 1 | 2 | 4 | 8) {
+        return Err(SceneError::invalid(
+            path.field("single_scattering").field("interleave"),
+            side.to_string(),
+            "1, 2, 4 or 8",
+        ));
+    }
     let resolution = render.shadows.resolution;
     rules::whole(
         &path.field("shadows").field("resolution"),

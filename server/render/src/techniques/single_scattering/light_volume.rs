@@ -1,0 +1,221 @@
+//! The light volume: optical depth of the density grids toward each light, at the samples of a box
+//! around all grids. Built again only when lights, media or the grids' places change.
+
+use glam::{DVec3, UVec3};
+use tyndall_scene::{Light, Medium, MediumShape, Scene};
+use tyndall_shaders::types;
+
+use crate::device::Device;
+use crate::engine::Recording;
+use crate::error::RenderError;
+use crate::programs::Bindings;
+
+/// Samples along one axis of a light's field: more cost memory, fewer blur the shadow.
+const MAX_SAMPLES: u32 = 128;
+const MIN_SAMPLES: u32 = 4;
+/// Of all fields together.
+const MAX_BYTES: u64 = 256 << 20;
+/// Four half floats.
+const TEXEL_BYTES: u64 = 8;
+
+/// What a volume was built for.
+#[derive(Debug, PartialEq)]
+struct Key {
+    lights: Vec<Light>,
+    media: Vec<Medium>,
+}
+
+/// The light volume of one view.
+#[derive(Debug)]
+pub(crate) struct LightVolume {
+    key: Key,
+    low: DVec3,
+    high: DVec3,
+    size: UVec3,
+    lights: u32,
+    values: wgpu::Buffer,
+    depths: wgpu::TextureView,
+    sampler: wgpu::Sampler,
+    current: bool,
+}
+
+impl LightVolume {
+    /// A volume for the grids and lights of `scene`, not yet filled; `None` without a grid. Without
+    /// lights it is there to be bound.
+    pub fn new(device: &Device, scene: &Scene) -> Result<Option<Self>, RenderError> {
+        let Some((low, high, spacing)) = bounds(&scene.media) else {
+            return Ok(None);
+        };
+        let lights = scene.lights.len().max(1) as u32;
+        let side = device.device.limits().max_texture_dimension_3d;
+        if lights > side / MIN_SAMPLES {
+            return Err(RenderError::TooLarge {
+                what: "lights beside density grids",
+                needed: lights.into(),
+                allowed: (side / MIN_SAMPLES).into(),
+            });
+        }
+        let size = samples(high - low, spacing, lights, side);
+        let texture = device.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("light_depths"),
+            size: wgpu::Extent3d {
+                width: size.x,
+                height: size.y,
+                depth_or_array_layers: size.z * lights,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D3,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        Ok(Some(Self {
+            key: key(scene),
+            low,
+            high,
+            size,
+            lights,
+            values: device.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("light_volume"),
+                size: size_of::<types::LightVolume>() as u64,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+            depths: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            sampler: device.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("light_depth_sampler"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
+            current: scene.lights.is_empty(),
+        }))
+    }
+
+    /// Whether it holds, or will hold, the depths of `scene`.
+    pub fn serves(&self, scene: &Scene) -> bool {
+        self.key == key(scene)
+    }
+
+    /// Uploads the box relative to the camera.
+    pub fn upload(&self, device: &Device, origin: DVec3) {
+        let value = types::LightVolume {
+            low: (self.low - origin).as_vec3().to_array(),
+            lights: self.lights,
+            high: (self.high - origin).as_vec3().to_array(),
+            size: self.size.to_array(),
+            ..Default::default()
+        };
+        device
+            .queue
+            .write_buffer(&self.values, 0, bytemuck::bytes_of(&value));
+    }
+
+    /// Adds what passes read of it.
+    pub fn bind<'a>(&'a self, bindings: &mut Bindings<'a>) {
+        bindings
+            .buffer("light_volume", &self.values)
+            .texture("light_depths", &self.depths)
+            .texture("light_depths_written", &self.depths)
+            .sampler("light_depth_sampler", &self.sampler);
+    }
+
+    /// Whether the next frame has to fill it; from then on it counts as filled.
+    pub fn take_stale(&mut self) -> bool {
+        !std::mem::replace(&mut self.current, true)
+    }
+
+    /// Records its filling.
+    pub fn record(
+        &self,
+        recording: &mut Recording<'_>,
+        bindings: &Bindings<'_>,
+    ) -> Result<(), RenderError> {
+        let UVec3 { x, y, z } = self.size;
+        recording.compute_volume("light_volume", bindings, [x, y, z * self.lights])
+    }
+}
+
+fn key(scene: &Scene) -> Key {
+    Key {
+        lights: scene.lights.clone(),
+        media: scene.media.clone(),
+    }
+}
+
+/// Box around all grids and the smallest step of their lattices; `None` without a grid.
+fn bounds(media: &[Medium]) -> Option<(DVec3, DVec3, f64)> {
+    let (mut low, mut high, mut spacing) = (DVec3::MAX, DVec3::MIN, f64::MAX);
+    for medium in media {
+        let MediumShape::Grid {
+            grid,
+            world_from_lattice,
+        } = &medium.shape
+        else {
+            continue;
+        };
+        for corner in 0..8 {
+            let pick = |axis: usize| grid.clip[corner >> axis & 1][axis];
+            let point = world_from_lattice.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
+            low = low.min(point);
+            high = high.max(point);
+        }
+        let axes = world_from_lattice.matrix3;
+        for axis in [axes.x_axis, axes.y_axis, axes.z_axis] {
+            spacing = spacing.min(axis.length());
+        }
+    }
+    low.cmplt(high).all().then_some((low, high, spacing))
+}
+
+/// Samples a side of one light's field: as fine as the lattice where memory allows.
+fn samples(extent: DVec3, spacing: f64, lights: u32, side: u32) -> UVec3 {
+    let mut most = MAX_SAMPLES.min(side / lights);
+    loop {
+        let wanted = (extent / spacing.max(1e-12)).ceil();
+        let size = wanted
+            .clamp(
+                DVec3::splat(f64::from(MIN_SAMPLES)),
+                DVec3::splat(f64::from(most.max(MIN_SAMPLES))),
+            )
+            .as_uvec3();
+        let texels = u64::from(size.x) * u64::from(size.y) * u64::from(size.z);
+        let bytes = texels * u64::from(lights) * TEXEL_BYTES;
+        if bytes <= MAX_BYTES || most <= MIN_SAMPLES {
+            return size;
+        }
+        most = most * 3 / 4;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_field_is_as_fine_as_its_lattice_up_to_a_bound() {
+        assert_eq!(
+            samples(DVec3::splat(2.0), 1.0 / 32.0, 1, 2048),
+            UVec3::splat(64)
+        );
+        assert_eq!(samples(DVec3::splat(2.0), 1e-3, 1, 2048), UVec3::splat(128));
+        assert_eq!(
+            samples(DVec3::new(8.0, 1.0, 0.01), 0.1, 1, 2048),
+            UVec3::new(80, 10, 4)
+        );
+    }
+
+    #[test]
+    fn many_lights_make_fields_coarser_and_stay_within_memory() {
+        for lights in [2, 17, 100, 512] {
+            let size = samples(DVec3::splat(1.0), 1e-3, lights, 2048);
+            assert!(size.z * lights <= 2048, "{lights}: {size}");
+            let texels = u64::from(size.x) * u64::from(size.y) * u64::from(size.z);
+            assert!(
+                texels * u64::from(lights) * TEXEL_BYTES <= MAX_BYTES,
+                "{lights}: {size}"
+            );
+        }
+    }
+}

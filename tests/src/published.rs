@@ -1,0 +1,37 @@
+//! The reference scenes and images of `../shared/reference`.
+
+use std::path::PathBuf;
+
+use tyndall_metrics::Image;
+use tyndall_scene::Scene;
+
+use crate::{npz, pm_ref, shared_folder};
+
+/// A published scene and one of its images.
+#[derive(Debug)]
+pub struct Published {
+    /// As it was published: no technique chosen, its own size.
+    pub scene: Scene,
+    /// The mean of two programs' samples with its variance. Unit: W·m⁻²·sr⁻¹.
+    pub image: Image,
+}
+
+/// Scene `name` and its image `kind`, `full` or `single`; says aloud that it is skipped where the
+/// shared folder is absent.
+pub fn find(name: &str, kind: &str) -> Option<Published> {
+    let folder: PathBuf = shared_folder::find(name)?.join("reference");
+    let description =
+        pm_ref::load(&folder.join(format!("scenes/{name}.json"))).expect("a published scene");
+    let scene = tyndall_scene::build(description, Some(&folder))
+        .expect("a published scene is valid")
+        .scene;
+    let file = folder.join(format!("data/ref_{name}_{kind}.npz"));
+    let array = |key: &str| npz::read_f32(&file, key).expect("a published image");
+    let rgb = |values: Vec<f32>| -> Vec<[f32; 3]> { values.as_chunks::<3>().0.to_vec() };
+    let squared = |values: Vec<f32>| values.into_iter().map(|v| v * v).collect();
+    let (width, height) = (scene.render.width, scene.render.height);
+    let image = Image::new(width, height, rgb(array("mean")))
+        .and_then(|image| image.with_variance(rgb(squared(array("stderr")))))
+        .expect("a published image has its scene's size");
+    Some(Published { scene, image })
+}

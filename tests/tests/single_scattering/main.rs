@@ -1,0 +1,9 @@
+//! The single-scattering march: against published images and closed forms, and against itself where
+//! a cheaper way must not change the picture.
+
+#![allow(clippy::print_stdout, reason = "tests print what they measure")]
+
+mod interleaving;
+mod skips;
+mod stress;
+mod truth;

@@ -1,0 +1,144 @@
+//! What a scene does not need is left out, and the picture is the same.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+use tyndall_metrics::relative_rmse;
+use tyndall_render::{PassKind, Still};
+use tyndall_scene::Scene;
+use tyndall_tests::{estimate, gpu};
+
+/// Looks along −z into `media` lit by `lights`; a wall 6 m away if asked for.
+fn scene(media: &Value, lights: &Value, wall: bool, steps: u32) -> Scene {
+    let geometry = if wall {
+        json!([{ "kind": "quad", "corner": [-9, -9, -6], "edge_u": [18, 0, 0], "edge_v": [0, 18, 0],
+            "material": { "base_color": 0.5 } }])
+    } else {
+        json!([])
+    };
+    gpu::scene(&json!({
+        "version": 1,
+        "camera": { "position": [0, 0, 3], "target": [0, 0, 0], "vertical_fov_degrees": 50 },
+        "geometry": geometry, "lights": lights, "media": media,
+        "render": { "width": 64, "height": 48, "samples": 1,
+            "single_scattering": { "steps": steps, "jitter": false } },
+    }))
+}
+
+fn render(scene: Scene) -> Still {
+    estimate::with_renderer(|renderer| gpu::render(renderer, scene))
+}
+
+/// Whether the plan says why `what` of a pass is left out.
+fn skips(scene: &Scene, pass: PassKind, what: &str) -> bool {
+    estimate::with_renderer(|renderer| {
+        let view = renderer
+            .create_view(Arc::new(scene.clone()), 64, 48)
+            .expect("rendered");
+        let mut skipped = view.plan().skipped.iter();
+        skipped.any(|skip| skip.pass == pass && skip.variant == what)
+    })
+}
+
+fn lamp(casts_shadows: bool) -> Value {
+    json!([{ "kind": "point", "position": [0.7, 0.5, -1], "intensity": 4, "radius": 0.01, "casts_shadows": casts_shadows }])
+}
+
+fn fog(g: f64) -> Value {
+    json!([{ "kind": "homogeneous", "sigma_t": 0.3, "albedo": 0.8, "g": g, "bounds": { "min": [-4, -4, -5], "max": [4, 4, 2] } }])
+}
+
+/// Relative difference of two pictures.
+fn differ(a: &Still, b: &Still) -> f64 {
+    relative_rmse(&gpu::image(a), &gpu::image(b)).expect("same size")
+}
+
+#[test]
+fn a_gauss_rule_replaces_thousands_of_strata_where_nothing_is_in_shadow() {
+    for g in [0.0, 0.5] {
+        let nodes = scene(&fog(g), &lamp(true), false, 4096);
+        // One shadow caster too many for the rule: a sliver behind the camera.
+        let mut strata = nodes.clone();
+        let shadowed = gpu::scene(&json!({
+            "version": 1,
+            "camera": { "position": [0, 0, 3], "target": [0, 0, 0] },
+            "geometry": [{ "kind": "quad", "corner": [0, 0, 50], "edge_u": [1e-2, 0, 0], "edge_v": [0, 1e-2, 0],
+                "material": { "base_color": 0.5 } }],
+        }));
+        strata.geometry = shadowed.geometry;
+        let started = Instant::now();
+        let by_nodes = render(nodes.clone());
+        let nodes_seconds = started.elapsed().as_secs_f64();
+        let by_strata = render(strata);
+        let strata_seconds = started.elapsed().as_secs_f64() - nodes_seconds;
+        let difference = differ(&by_nodes, &by_strata);
+        println!(
+            "g {g}: Gauss nodes differ by {difference:.2e} from 4096 strata; {nodes_seconds:.2} s for {strata_seconds:.2} s, both with their start"
+        );
+        assert!(difference < 2e-3, "g {g}: {difference}");
+    }
+}
+
+#[test]
+fn lights_that_cast_no_shadows_need_no_maps_and_no_surfaces_change_that() {
+    // Few enough strata that no Gauss rule takes their place.
+    let with = scene(&fog(0.2), &lamp(true), true, 32);
+    let without = scene(&fog(0.2), &lamp(false), true, 32);
+    assert!(!skips(&with, PassKind::ShadowMaps, ""));
+    assert!(skips(&without, PassKind::ShadowMaps, ""));
+    // The wall is behind the lamp and shadows nothing that is seen.
+    let difference = differ(&render(with), &render(without));
+    assert!(difference < 2e-3, "{difference}");
+}
+
+#[test]
+fn a_constant_phase_function_is_not_computed() {
+    let constant = scene(&fog(0.0), &lamp(true), true, 64);
+    let nearly = scene(&fog(1e-6), &lamp(true), true, 64);
+    assert!(skips(
+        &constant,
+        PassKind::SingleScattering,
+        "phase function"
+    ));
+    assert!(!skips(
+        &nearly,
+        PassKind::SingleScattering,
+        "phase function"
+    ));
+    let difference = differ(&render(constant), &render(nearly));
+    assert!(difference < 1e-5, "{difference}");
+}
+
+#[test]
+fn what_only_absorbs_is_not_marched() {
+    let media =
+        |sigma_s: f64| json!([{ "kind": "homogeneous", "sigma_s": sigma_s, "sigma_a": 0.3 }]);
+    let absorbing = scene(&media(0.0), &lamp(true), true, 64);
+    let nearly = scene(&media(1e-12), &lamp(true), true, 64);
+    assert!(skips(&absorbing, PassKind::SingleScattering, ""));
+    assert!(!skips(&nearly, PassKind::SingleScattering, ""));
+    let difference = differ(&render(absorbing), &render(nearly));
+    assert!(difference < 1e-6, "{difference}");
+}
+
+#[test]
+fn a_spot_is_marched_inside_its_cone_only_and_looks_like_a_masked_lamp() {
+    // In the cone's middle its light is a lamp's; strata that lie in the cone converge sooner.
+    let spot = |steps: u32| {
+        let lights = json!([{ "kind": "spot", "position": [0, 3, -1], "direction": [0, -1, 0], "intensity": 40,
+            "inner_angle_degrees": 4, "outer_angle_degrees": 6, "casts_shadows": false }]);
+        render(scene(&fog(0.3), &lights, true, steps))
+    };
+    let truth = spot(4096);
+    let few = differ(&spot(8), &truth);
+    println!("8 strata inside a cone of 6°: {few:.4}");
+    // Eight strata over the whole ray of 7 m would mostly miss a cone 0.6 m wide.
+    assert!(few < 0.05, "{few}");
+}
+
+#[test]
+fn grids_alone_fill_a_light_volume() {
+    let plain = scene(&fog(0.0), &lamp(true), true, 16);
+    assert!(skips(&plain, PassKind::LightVolume, ""));
+}
