@@ -4,7 +4,7 @@ use serde_json::Value;
 use tyndall_tests::conventions::{layout, source};
 
 /// What every technique builds on, so no scene asks for it by name.
-const NOT_A_CHOICE: [&str; 2] = ["shadow_maps", "surfaces"];
+const NOT_A_CHOICE: [&str; 3] = ["area_lights", "shadow_maps", "surfaces"];
 
 fn strings(value: &Value, found: &mut Vec<String>) {
     match value {

@@ -6,7 +6,7 @@ use crate::image::{self, Work};
 use crate::plan::{FramePlan, PassKind};
 use crate::programs::Bindings;
 use crate::slices::Slice;
-use crate::techniques::{reference, single_scattering, surfaces};
+use crate::techniques::{area_lights, reference, single_scattering, surfaces};
 use crate::tonemap;
 use crate::view::ViewParts;
 
@@ -59,6 +59,7 @@ pub(crate) fn record(
             PassKind::SingleScattering => {
                 single_scattering::record(recording, &bindings, targets, variant)?;
             }
+            PassKind::AreaLights => area_lights::record(recording, &bindings, targets, variant)?,
             PassKind::Reference => {
                 if let Some(slice) = slice {
                     reference::record(recording, &bindings, targets, variant, slice.rows)?;

@@ -24,6 +24,8 @@ pub enum PassKind {
     SingleScattering,
     /// Brings interleaved strata together.
     Gather,
+    /// Light of emissive triangles and the environment, scattered once.
+    AreaLights,
     /// Unbiased path tracing of everything.
     Reference,
     /// Running mean and statistics.
@@ -45,6 +47,7 @@ impl PassKind {
             Self::LightVolume => "light_volume",
             Self::SingleScattering => "single_scattering",
             Self::Gather => "gather",
+            Self::AreaLights => "area_lights",
             Self::Reference => "reference",
             Self::Film => "film",
             Self::Estimate => "estimate",
@@ -116,6 +119,12 @@ impl FramePlan {
             .map(|planned| planned.variant.as_str())
     }
 
+    /// Whether rays find what hides lights from surfaces.
+    pub fn shades_traced(&self) -> bool {
+        self.variant(PassKind::Shade)
+            .is_some_and(|variant| variant.contains("+traced"))
+    }
+
     /// Whether `pass` runs.
     pub fn runs(&self, pass: PassKind) -> bool {
         self.variant(pass).is_some()
@@ -174,21 +183,17 @@ pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) 
             "emission target",
             "no emissive triangles",
         );
-    } else {
-        plan.skip(
-            PassKind::Shade,
-            "light from emissive triangles",
-            format!(
-                "{} emissive triangles are seen but light nothing: single_scattering doesn't transport area lights",
-                facts.emissive_triangles
-            ),
-        );
     }
     let grids = if facts.grids > 0 { "+grids" } else { "" };
     plan_light_volume(&mut plan, facts, lights);
+    let map = if facts.environment_map {
+        "+environment_map"
+    } else {
+        ""
+    };
     plan.run(
         PassKind::Shade,
-        &format!("shade{emissive}{media}{suffix}{grids}"),
+        &format!("shade{emissive}{media}{suffix}{grids}{map}"),
         format!(
             "{lights} lights on surfaces, attenuated by {} media",
             facts.media
@@ -196,11 +201,15 @@ pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) 
     );
     let suffix = format!("{suffix}{grids}");
     let marched = plan_march(&mut plan, facts, settings, lights, &suffix, *limits);
-    plan.run(
-        PassKind::Film,
-        if marched { "film+in_scatter" } else { "film" },
-        "running mean while nothing changes",
-    );
+    let area = plan_area_lights(&mut plan, facts, settings, *limits);
+    let mut film = String::from("film");
+    if marched {
+        film.push_str("+in_scatter");
+    }
+    if area {
+        film.push_str("+area");
+    }
+    plan.run(PassKind::Film, &film, "running mean while nothing changes");
     plan.run(PassKind::Tonemap, "tonemap", "8-bit picture for the screen");
     plan
 }
@@ -228,6 +237,7 @@ fn plan_reference(facts: &SceneFacts) -> FramePlan {
         "paths scatter any number of times",
     );
     plan.skip(PassKind::Gather, "", "paths are not interleaved");
+    plan.skip(PassKind::AreaLights, "", "paths find area lights");
     let mut variant = String::from("reference");
     if surfaces {
         variant.push_str("+surfaces");
@@ -260,6 +270,83 @@ fn plan_reference(facts: &SceneFacts) -> FramePlan {
     plan
 }
 
+/// Whether light comes from emissive triangles or from infinity.
+pub(crate) fn has_area_lights(facts: &SceneFacts) -> bool {
+    facts.emissive_triangles > 0 || facts.environment
+}
+
+/// Why area lights light nothing, if so.
+fn without_area_lights(facts: &SceneFacts) -> Option<&'static str> {
+    if !has_area_lights(facts) {
+        Some("no emissive triangles and no environment")
+    } else if facts.triangles == 0 && !facts.scatters {
+        Some("nothing reflects or scatters the environment's light")
+    } else {
+        None
+    }
+}
+
+/// Points of a ray, of each kind, at which area lights are looked at.
+const AREA_STRATA: u32 = 8;
+
+/// As many points as the march has strata, but few: each costs a shadow ray. Even: half of them are
+/// of one kind where there are two.
+pub(crate) fn area_strata(
+    facts: &SceneFacts,
+    settings: &RenderSettings,
+    limits: PlanLimits,
+) -> u32 {
+    // A shadow ray visits tens of nodes; the bound leaves room for hundreds. Each point may lie in any
+    // medium, and there are two kinds of lights.
+    let per_point = 2 * (400 + 12 * facts.media.max(1) as u32);
+    let most = limits
+        .loop_cap
+        .map_or(u32::MAX, |cap| cap / (2 * per_point));
+    let wanted = settings.single_scattering.steps.min(AREA_STRATA);
+    (wanted.min(most) / 2 * 2).max(2)
+}
+
+fn plan_area_lights(
+    plan: &mut FramePlan,
+    facts: &SceneFacts,
+    settings: &RenderSettings,
+    limits: PlanLimits,
+) -> bool {
+    let pass = PassKind::AreaLights;
+    if let Some(why) = without_area_lights(facts) {
+        plan.skip(pass, "", why);
+        return false;
+    }
+    let mut variant = String::from("area_lights");
+    if facts.triangles > 0 {
+        variant.push_str("+surfaces");
+        if facts.textures > 0 {
+            variant.push_str("+textured");
+        }
+    }
+    if facts.grids > 0 {
+        variant.push_str("+grids");
+    }
+    if facts.environment_map {
+        variant.push_str("+environment_map");
+    }
+    let sky = match (facts.environment, facts.environment_map) {
+        (false, _) => "no sky",
+        (true, false) => "a constant sky",
+        (true, true) => "an environment map",
+    };
+    let strata = area_strata(facts, settings, limits);
+    plan.run(
+        pass,
+        &variant,
+        format!(
+            "{} emissive triangles and {sky}; {strata} points of a ray for each",
+            facts.emissive_triangles
+        ),
+    );
+    true
+}
+
 fn plan_visibility(
     plan: &mut FramePlan,
     facts: &SceneFacts,
@@ -280,7 +367,7 @@ fn plan_visibility(
         ShadowMode::Mapped => {
             let views = facts.spot_lights + 6 * facts.point_lights + facts.directional_lights;
             let side = settings.shadows.resolution;
-            plan.skip(PassKind::Bvh, "", "no pass traces rays");
+            plan_bvh(plan, facts, false);
             plan.run(
                 PassKind::ShadowMaps,
                 "",
@@ -290,17 +377,27 @@ fn plan_visibility(
             );
         }
         ShadowMode::Traced => {
-            plan.run(
-                PassKind::Bvh,
-                "",
-                format!("{} triangles, built once", facts.triangles),
-            );
+            plan_bvh(plan, facts, true);
             plan.skip(PassKind::ShadowMaps, "", "visibility is traced");
         }
         ShadowMode::Off => {
-            plan.skip(PassKind::Bvh, "", "no pass traces rays");
+            plan_bvh(plan, facts, false);
             plan.skip(PassKind::ShadowMaps, "", without);
         }
+    }
+}
+
+/// The BVH: for shadows that are traced, and for the area lights, whose points lie on its triangles.
+fn plan_bvh(plan: &mut FramePlan, facts: &SceneFacts, traced: bool) {
+    let area = facts.triangles > 0 && without_area_lights(facts).is_none();
+    if traced || area {
+        plan.run(
+            PassKind::Bvh,
+            "",
+            format!("{} triangles, built once", facts.triangles),
+        );
+    } else {
+        plan.skip(PassKind::Bvh, "", "no pass traces rays");
     }
 }
 

@@ -40,6 +40,12 @@ pub(crate) struct Constants {
     pub equiangular: bool,
     /// Whether a Gauss rule takes the place of strata.
     pub quadrature: bool,
+    /// Whether surfaces stand in the way of area lights.
+    pub shadowed: bool,
+    /// Whether light arrives from infinity.
+    pub sky: bool,
+    /// Points of a ray, of each kind, at which area lights are looked at.
+    pub area_strata: u32,
 }
 
 impl Constants {
@@ -56,6 +62,9 @@ impl Constants {
             "INTERLEAVE" => Some(f64::from(self.interleave)),
             "EQUIANGULAR" => Some(f64::from(self.equiangular)),
             "QUADRATURE" => Some(f64::from(self.quadrature)),
+            "SHADOWED" => Some(f64::from(self.shadowed)),
+            "SKY" => Some(f64::from(self.sky)),
+            "AREA_STRATA" => Some(f64::from(self.area_strata)),
             _ => None,
         }
     }
@@ -76,6 +85,9 @@ impl Constants {
             interleave: kept(self.interleave, "INTERLEAVE"),
             equiangular: self.equiangular && declares("EQUIANGULAR"),
             quadrature: self.quadrature && declares("QUADRATURE"),
+            shadowed: self.shadowed && declares("SHADOWED"),
+            sky: self.sky && declares("SKY"),
+            area_strata: kept(self.area_strata, "AREA_STRATA"),
         }
     }
 }

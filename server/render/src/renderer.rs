@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use tyndall_scene::{Medium, MediumShape, Scene, SceneFacts, Technique};
+use tyndall_scene::{Medium, MediumShape, Scene, SceneFacts, ShadowMode, Technique};
 
 use crate::device::{AdapterSummary, Device};
 use crate::engine::Recording;
@@ -11,7 +11,7 @@ use crate::error::RenderError;
 use crate::frame;
 use crate::gpu_scene::{AssetCache, SampleValues};
 use crate::image::Work;
-use crate::plan::{March, PassKind, PlanLimits};
+use crate::plan::{March, PassKind, PlanLimits, area_strata, has_area_lights};
 use crate::programs::{Constants, Programs};
 use crate::readback::{FrameMeta, statistics_scale, wait};
 use crate::self_test::SelfTest;
@@ -238,9 +238,18 @@ impl Renderer {
                     "this driver silently stops a shader after {cap} loop iterations, which cuts the reference's paths short: a newer driver (Mesa 23.1 or later) is needed"
                 )))
             }
+            Some(cap) if walks_through_grids(scene) => Err(RenderError::Refused(format!(
+                "this driver silently stops a shader after {cap} loop iterations, which cuts short the walks of area lights through grids: a newer driver (Mesa 23.1 or later) is needed"
+            ))),
             _ => Ok(()),
         }
     }
+}
+
+/// Whether a pass tracks collisions in grids, which takes as long as it takes.
+fn walks_through_grids(scene: &Scene) -> bool {
+    let facts = tyndall_scene::facts(scene);
+    facts.grids > 0 && has_area_lights(&facts)
 }
 
 /// What pipelines are built for.
@@ -269,5 +278,8 @@ fn constants(
         interleave: march.interleave,
         equiangular: march.equiangular,
         quadrature: march.quadrature,
+        shadowed: scene.render.shadows.mode != ShadowMode::Off,
+        sky: facts.environment,
+        area_strata: area_strata(facts, &scene.render, limits),
     }
 }

@@ -30,9 +30,6 @@ pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
     if matches!(scene.render.stop, StopRule::RelativeError(_)) && !traced {
         fields.push("render.relative_error: needs the reference's variance".into());
     }
-    if scene.environment.is_some() && !traced {
-        fields.push("lights: kind environment".into());
-    }
     let masked = scene
         .geometry
         .materials

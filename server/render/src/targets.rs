@@ -19,6 +19,8 @@ pub(crate) struct Targets {
     pub surface_radiance: wgpu::TextureView,
     /// Present when the plan marches.
     pub in_scattered_radiance: Option<wgpu::TextureView>,
+    /// Present when the plan looks at area lights.
+    pub area_radiance: Option<wgpu::TextureView>,
     /// Present when the march is interleaved.
     pub interleaved: Option<InterleavedTargets>,
     /// Four f32 a pixel.
@@ -102,6 +104,7 @@ impl InterleavedTargets {
 pub(crate) struct TargetNeeds {
     pub emission: bool,
     pub in_scatter: bool,
+    pub area: bool,
     pub interleaved: bool,
     pub reference: bool,
 }
@@ -172,6 +175,9 @@ impl Targets {
             in_scattered_radiance: needs
                 .in_scatter
                 .then(|| texture("in_scattered_radiance", radiance, stored)),
+            area_radiance: needs
+                .area
+                .then(|| texture("area_radiance", radiance, stored)),
             interleaved: needs.interleaved.then(|| {
                 let stored = |label: &str| texture(label, radiance, stored);
                 InterleavedTargets::new(device, pixels, stored)

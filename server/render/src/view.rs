@@ -86,6 +86,9 @@ impl ViewParts<'_> {
             let marched = marched.map_or(radiance, |targets| &targets.marched_radiance);
             bindings.texture("marched_radiance", marched);
         }
+        if let Some(radiance) = &targets.area_radiance {
+            bindings.texture("area_radiance", radiance);
+        }
         if let Some(interleaved) = &targets.interleaved {
             bindings
                 .texture("gathered_rows", &interleaved.gathered_rows)
@@ -260,7 +263,7 @@ impl View {
     pub fn shadow_mode(&self) -> ShadowMode {
         if self.plan.runs(PassKind::ShadowMaps) {
             ShadowMode::Mapped
-        } else if self.plan.runs(PassKind::Bvh) || self.plan.runs(PassKind::Reference) {
+        } else if self.plan.shades_traced() || self.plan.runs(PassKind::Reference) {
             ShadowMode::Traced
         } else {
             ShadowMode::Off
@@ -282,7 +285,8 @@ fn need_geometry(
     geometry: &GpuGeometry,
     plan: &FramePlan,
 ) -> Result<(), RenderError> {
-    if plan.runs(PassKind::Reference) && plan.runs(PassKind::Bvh) {
+    let paths = plan.runs(PassKind::Reference) || plan.runs(PassKind::AreaLights);
+    if paths && plan.runs(PassKind::Bvh) {
         geometry.need_triangles(device)
     } else if plan.runs(PassKind::Bvh) {
         geometry.need_bvh(device)
@@ -325,6 +329,7 @@ fn needs(plan: &FramePlan) -> TargetNeeds {
             .variant(PassKind::Shade)
             .is_some_and(|variant| variant.contains("+emissive")),
         in_scatter: plan.runs(PassKind::SingleScattering),
+        area: plan.runs(PassKind::AreaLights),
         interleaved: plan.runs(PassKind::Gather),
         reference: plan.runs(PassKind::Reference),
     }

@@ -4,7 +4,7 @@
 use std::sync::{Arc, Weak};
 
 use glam::DVec3;
-use tyndall_scene::{Scene, Technique};
+use tyndall_scene::Scene;
 
 use super::{GpuEnvironment, GpuGeometry, GpuGrids};
 use crate::device::Device;
@@ -16,7 +16,6 @@ use crate::programs::Bindings;
 pub(crate) struct GpuAssets {
     pub geometry: Arc<GpuGeometry>,
     pub grids: Option<Arc<GpuGrids>>,
-    /// Only where paths are traced: no other pass reads it.
     pub environment: Option<Arc<GpuEnvironment>>,
 }
 
@@ -45,7 +44,6 @@ impl AssetCache {
     /// The parts of a scene, uploaded where no view has them.
     pub fn assets(&mut self, device: &Device, scene: &Scene) -> Result<GpuAssets, RenderError> {
         let geometry = self.geometry(device, scene)?;
-        let traced = scene.render.technique == Technique::Reference;
         Ok(GpuAssets {
             geometry,
             grids: find_or(
@@ -53,16 +51,11 @@ impl AssetCache {
                 |known| known.serve(scene),
                 || GpuGrids::upload(device, scene),
             )?,
-            environment: traced
-                .then(|| {
-                    find_or(
-                        &mut self.environments,
-                        |known| known.serves(scene),
-                        || GpuEnvironment::upload(device, scene),
-                    )
-                })
-                .transpose()?
-                .flatten(),
+            environment: find_or(
+                &mut self.environments,
+                |known| known.serves(scene),
+                || GpuEnvironment::upload(device, scene),
+            )?,
         })
     }
 
