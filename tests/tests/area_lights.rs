@@ -13,9 +13,9 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 use tyndall_render::Still;
-use tyndall_scene::{Environment, EnvironmentMap, Scene, Technique};
+use tyndall_scene::{Environment, EnvironmentMap, Scene, ShadowMode, StopRule, Technique};
 use tyndall_tests::estimate::with_renderer;
-use tyndall_tests::gpu;
+use tyndall_tests::{gpu, published};
 
 const SEEDS: u32 = 16;
 const MOST: f64 = 5.8;
@@ -59,10 +59,10 @@ fn agrees(name: &str, mut scene: Scene, samples: u32, truth_samples: u32) {
     let mut truth = scene.clone();
     truth.render.technique = Technique::Reference;
     truth.render.reference.max_scatterings = Some(1);
-    truth.render.stop = tyndall_scene::StopRule::Samples(truth_samples);
+    truth.render.stop = StopRule::Samples(truth_samples);
     let truth = still(truth);
     assert_eq!(truth.truncated, 0, "{name}");
-    scene.render.stop = tyndall_scene::StopRule::Samples(samples);
+    scene.render.stop = StopRule::Samples(samples);
     let pictures: Vec<Still> = (0..SEEDS)
         .map(|seed| {
             scene.render.seed = u64::from(seed) + 7;
@@ -106,7 +106,7 @@ fn agrees(name: &str, mut scene: Scene, samples: u32, truth_samples: u32) {
 fn a_white_sky_on_a_grey_floor_gives_its_reflectance() {
     let sky = json!([{ "kind": "environment", "radiance": 2 }]);
     let mut scene = gpu::scene(&scene(&json!([floor()]), &sky, &json!([])));
-    scene.render.stop = tyndall_scene::StopRule::Samples(4);
+    scene.render.stop = StopRule::Samples(4);
     for pixel in still(scene).radiance {
         // Without noise; the G-buffer keeps the reflectance in half precision.
         assert!((pixel[1] - 1.0).abs() < 5e-4, "{pixel:?}");
@@ -118,7 +118,7 @@ fn what_only_absorbs_is_seen_against_the_sky_alone() {
     let sky = json!([{ "kind": "environment", "radiance": 3 }]);
     let ball = json!([{ "kind": "sphere", "sigma_s": 0, "sigma_a": 1.5, "center": [0, 0.2, 0], "radius": 1 }]);
     let mut scene = gpu::scene(&scene(&json!([]), &sky, &ball));
-    scene.render.stop = tyndall_scene::StopRule::Samples(2);
+    scene.render.stop = StopRule::Samples(2);
     let radiance = still(scene).radiance;
     for pixel in &radiance {
         assert!((pixel[1] - 3.0 * pixel[3]).abs() < 1e-5, "{pixel:?}");
@@ -162,7 +162,7 @@ fn a_soft_ball_under_a_white_sky_has_its_closed_form() {
         let expected = sky * (through + scattered);
         let scene = gpu::scene(&json!({
             "version": 1,
-            "camera": { "position": [0, 0, 5], "target": [0, 0, 0], "vertical_fov_degrees": 0.5 },
+            "camera": { "position": [0, 0, 5], "target": [0, 0, 0], "vertical_fov_degrees": 0.1 },
             "lights": [{ "kind": "environment", "radiance": sky }],
             "media": [{ "kind": "sphere", "sigma_t": sigma, "albedo": 0.9, "g": g, "center": [0, 0, 0], "radius": 1 }],
             "render": { "technique": "single_scattering", "width": SIDE, "height": SIDE, "samples": 64 },
@@ -173,7 +173,7 @@ fn a_soft_ball_under_a_white_sky_has_its_closed_form() {
         let squares = radiance.iter().map(|p| (f64::from(p[1]) - mean).powi(2));
         let error = (squares.sum::<f64>() / (n * (n - 1.0))).sqrt();
         println!("ball g {g}: {mean:.6} ± {error:.1e} for {expected:.6}");
-        // 4 standard errors, one false alarm in 16,000; 1e-4 for the width of the picture.
+        // 4 standard errors, one false alarm in 16,000; 1e-4 for the width of the picture and rounding.
         assert!((mean - expected).abs() < 4.0 * error + 1e-4 * expected);
         assert!(error < 0.002 * expected, "the noise would hide an error");
     }
@@ -223,7 +223,7 @@ fn an_emissive_panel_agrees_with_the_path_tracer_in_a_grid() {
     let inside = scene(&panel(), &none, &json!([smoke(0.5)]));
     agrees("panel in smoke", gpu::scene(&inside), 16, 1024);
     let both = scene(&panel(), &none, &json!([fog(-0.5), smoke(0.0)]));
-    agrees("panel in smoke and fog", gpu::scene(&both), 16, 1024);
+    agrees("panel in smoke and fog", gpu::scene(&both), 64, 4096);
 }
 
 /// A map with a bright spot low in the sky, dim below.
@@ -268,13 +268,40 @@ fn skies_agree_with_the_path_tracer() {
 }
 
 #[test]
+fn the_sky_over_a_published_plume_agrees_with_the_path_tracer() {
+    let Some(truth) = published::find("smoke_plume", "single") else {
+        return;
+    };
+    let mut scene = truth.scene;
+    scene.lights.clear();
+    (scene.render.width, scene.render.height) = (SIDE as u32, SIDE as u32);
+    scene.render.technique = Technique::SingleScattering;
+    scene.render.shadows.mode = ShadowMode::Traced;
+    agrees("sky over the plume", scene, 64, 4096);
+}
+
+#[test]
+fn diag_sun() {
+    let Some(truth) = published::find("smoke_plume", "single") else {
+        return;
+    };
+    let mut scene = truth.scene;
+    scene.environment = None;
+    (scene.render.width, scene.render.height) = (SIDE as u32, SIDE as u32);
+    scene.render.technique = Technique::SingleScattering;
+    scene.render.shadows.mode = ShadowMode::Traced;
+    scene.render.single_scattering.steps = 32;
+    agrees("sun over the plume", scene, 64, 4096);
+}
+
+#[test]
 fn shadows_that_are_off_let_the_sky_in() {
     let sky = json!([{ "kind": "environment", "radiance": 2 }]);
     let lid = json!([floor(), { "kind": "box", "min": [-50, 4, -50], "max": [50, 5, 50] }]);
     let mut scene = gpu::scene(&scene(&lid, &sky, &json!([])));
-    scene.render.stop = tyndall_scene::StopRule::Samples(4);
+    scene.render.stop = StopRule::Samples(4);
     let green = |scene: Scene| gpu::mean_rgb(&still(scene))[1];
     assert!(green(scene.clone()) < 0.2, "below a lid");
-    scene.render.shadows.mode = tyndall_scene::ShadowMode::Off;
+    scene.render.shadows.mode = ShadowMode::Off;
     assert!((green(scene) - 1.0).abs() < 5e-4);
 }

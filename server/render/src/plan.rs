@@ -1,10 +1,15 @@
 //! What one frame does, and why. Pure: equal inputs give equal plans.
 
+mod area_lights;
+
 use std::fmt;
 
 use serde::Serialize;
 use tyndall_scene::SceneFacts;
 use tyndall_scene::{RenderSettings, ShadowMode, Technique};
+
+pub(crate) use area_lights::{area_strata, has_area_lights};
+use area_lights::{plan_area_lights, plan_bvh};
 
 /// A pass of the renderer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -270,83 +275,6 @@ fn plan_reference(facts: &SceneFacts) -> FramePlan {
     plan
 }
 
-/// Whether light comes from emissive triangles or from infinity.
-pub(crate) fn has_area_lights(facts: &SceneFacts) -> bool {
-    facts.emissive_triangles > 0 || facts.environment
-}
-
-/// Why area lights light nothing, if so.
-fn without_area_lights(facts: &SceneFacts) -> Option<&'static str> {
-    if !has_area_lights(facts) {
-        Some("no emissive triangles and no environment")
-    } else if facts.triangles == 0 && !facts.scatters {
-        Some("nothing reflects or scatters the environment's light")
-    } else {
-        None
-    }
-}
-
-/// Points of a ray, of each kind, at which area lights are looked at.
-const AREA_STRATA: u32 = 8;
-
-/// As many points as the march has strata, but few: each costs a shadow ray. Even: half of them are
-/// of one kind where there are two.
-pub(crate) fn area_strata(
-    facts: &SceneFacts,
-    settings: &RenderSettings,
-    limits: PlanLimits,
-) -> u32 {
-    // A shadow ray visits tens of nodes; the bound leaves room for hundreds. Each point may lie in any
-    // medium, and there are two kinds of lights.
-    let per_point = 2 * (400 + 12 * facts.media.max(1) as u32);
-    let most = limits
-        .loop_cap
-        .map_or(u32::MAX, |cap| cap / (2 * per_point));
-    let wanted = settings.single_scattering.steps.min(AREA_STRATA);
-    (wanted.min(most) / 2 * 2).max(2)
-}
-
-fn plan_area_lights(
-    plan: &mut FramePlan,
-    facts: &SceneFacts,
-    settings: &RenderSettings,
-    limits: PlanLimits,
-) -> bool {
-    let pass = PassKind::AreaLights;
-    if let Some(why) = without_area_lights(facts) {
-        plan.skip(pass, "", why);
-        return false;
-    }
-    let mut variant = String::from("area_lights");
-    if facts.triangles > 0 {
-        variant.push_str("+surfaces");
-        if facts.textures > 0 {
-            variant.push_str("+textured");
-        }
-    }
-    if facts.grids > 0 {
-        variant.push_str("+grids");
-    }
-    if facts.environment_map {
-        variant.push_str("+environment_map");
-    }
-    let sky = match (facts.environment, facts.environment_map) {
-        (false, _) => "no sky",
-        (true, false) => "a constant sky",
-        (true, true) => "an environment map",
-    };
-    let strata = area_strata(facts, settings, limits);
-    plan.run(
-        pass,
-        &variant,
-        format!(
-            "{} emissive triangles and {sky}; {strata} points of a ray for each",
-            facts.emissive_triangles
-        ),
-    );
-    true
-}
-
 fn plan_visibility(
     plan: &mut FramePlan,
     facts: &SceneFacts,
@@ -384,20 +312,6 @@ fn plan_visibility(
             plan_bvh(plan, facts, false);
             plan.skip(PassKind::ShadowMaps, "", without);
         }
-    }
-}
-
-/// The BVH: for shadows that are traced, and for the area lights, whose points lie on its triangles.
-fn plan_bvh(plan: &mut FramePlan, facts: &SceneFacts, traced: bool) {
-    let area = facts.triangles > 0 && without_area_lights(facts).is_none();
-    if traced || area {
-        plan.run(
-            PassKind::Bvh,
-            "",
-            format!("{} triangles, built once", facts.triangles),
-        );
-    } else {
-        plan.skip(PassKind::Bvh, "", "no pass traces rays");
     }
 }
 
