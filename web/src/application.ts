@@ -201,6 +201,7 @@ export class Application {
         break;
       case 'stats':
         this.debug.stats = message;
+        if (message.time_seconds !== undefined) this.panel.showTime(message.time_seconds);
         break;
       case 'error':
         this.refused(message);

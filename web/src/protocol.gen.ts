@@ -43,6 +43,16 @@ kind: AdapterKind, };
 export type AdapterKind = "gpu" | "software" | "other";
 
 /**
+ * How time goes on.
+ */
+export type AnimationDescription = { 
+/**
+ * After which everything starts over; without it everything keeps the state of its last
+ * keyframe. Unit: s. Range: 0.001 to 1e6.
+ */
+period_seconds?: number, };
+
+/**
  * An axis-aligned box.
  */
 export type Bounds = { 
@@ -80,7 +90,7 @@ material: MaterialDescription,
  */
 transform?: Transform, 
 /**
- * Placement at which time, in order of time. Used by animation jobs.
+ * Placement at which time, in order of time; replaces `transform`.
  */
 keyframes?: Array<TransformKeyframe>, };
 
@@ -109,7 +119,8 @@ vertical_fov_degrees: number,
  */
 exposure_ev: number, 
 /**
- * Where the camera is at which time, in order of time. Used by animation jobs.
+ * Where the camera is at which time, in order of time; replaces the pose above.
+ * Linear in between.
  */
 keyframes?: Array<CameraKeyframe>, };
 
@@ -135,7 +146,7 @@ target: [number, number, number],
 vertical_fov_degrees?: number, };
 
 /**
- * Where the eye is; exposure and keyframes stay as they are.
+ * Where the eye is; exposure stays as it is, keyframes are left.
  */
 export type CameraPose = { 
 /**
@@ -174,9 +185,40 @@ camera: CameraPose, };
 export type ClientMessage = { "type": "hello" } & Hello | { "type": "camera" } & CameraUpdate | { "type": "edit" } & EditRequest | { "type": "open_preset" } & OpenPreset | { "type": "resize" } & Resize | { "type": "ack" } & Ack | { "type": "visible" } & Visible;
 
 /**
+ * The clock of a session whose scene moves; edits set it.
+ */
+export type ClockState = { 
+/**
+ * Whether time goes on.
+ */
+playing: boolean, 
+/**
+ * The time shown. Unit: s.
+ */
+time_seconds: number, 
+/**
+ * After which the scene starts over or stands still. Unit: s.
+ */
+duration_seconds: number, };
+
+/**
  * How a frame's payload is compressed.
  */
 export type Codec = "jpeg" | "png";
+
+/**
+ * A light's direction at one time.
+ */
+export type DirectionKeyframe = { 
+/**
+ * Later than the keyframe before. Unit: s. Range: 0 to 1e6.
+ */
+time_seconds: number, 
+/**
+ * In which the light travels; any length above 1e−6. Turns along the shortest arc; not
+ * opposite to the keyframe before.
+ */
+direction: [number, number, number], };
 
 /**
  * Parallel light from infinity.
@@ -197,7 +239,11 @@ irradiance: Rgb,
 /**
  * Whether surfaces block this light.
  */
-casts_shadows: boolean, };
+casts_shadows: boolean, 
+/**
+ * Where it is at which time, in order of time; replaces the pose above.
+ */
+keyframes?: Array<DirectionKeyframe>, };
 
 /**
  * Changes the open scene.
@@ -300,7 +346,7 @@ import_lights: boolean,
  */
 transform?: Transform, 
 /**
- * Placement at which time, in order of time. Used by animation jobs.
+ * Placement at which time, in order of time; replaces `transform`.
  */
 keyframes?: Array<TransformKeyframe>, };
 
@@ -569,7 +615,7 @@ material: MaterialDescription,
  */
 transform?: Transform, 
 /**
- * Placement at which time, in order of time. Used by animation jobs.
+ * Placement at which time, in order of time; replaces `transform`.
  */
 keyframes?: Array<TransformKeyframe>, };
 
@@ -590,7 +636,7 @@ path: string,
  */
 transform?: Transform, 
 /**
- * Placement at which time, in order of time. Used by animation jobs.
+ * Placement at which time, in order of time; replaces `transform`.
  */
 keyframes?: Array<TransformKeyframe>, };
 
@@ -682,7 +728,24 @@ radius: number,
 /**
  * Whether surfaces block this light.
  */
-casts_shadows: boolean, };
+casts_shadows: boolean, 
+/**
+ * Where it is at which time, in order of time; replaces the pose above.
+ */
+keyframes?: Array<PositionKeyframe>, };
+
+/**
+ * A light's position at one time.
+ */
+export type PositionKeyframe = { 
+/**
+ * Later than the keyframe before. Unit: s. Range: 0 to 1e6.
+ */
+time_seconds: number, 
+/**
+ * Unit: m. Linear in between.
+ */
+position: [number, number, number], };
 
 /**
  * A built-in scene.
@@ -796,7 +859,7 @@ material: MaterialDescription,
  */
 transform?: Transform, 
 /**
- * Placement at which time, in order of time. Used by animation jobs.
+ * Placement at which time, in order of time; replaces `transform`.
  */
 keyframes?: Array<TransformKeyframe>, };
 
@@ -923,7 +986,11 @@ media: Array<MediumDescription>,
 /**
  * How to render.
  */
-render: RenderDescription, };
+render: RenderDescription, 
+/**
+ * How time goes on; matters only with keyframes.
+ */
+animation?: AnimationDescription, };
 
 /**
  * A change to a scene. What is left out stays as it is; a list replaces the whole list.
@@ -948,7 +1015,15 @@ media?: Array<MediumDescription>,
 /**
  * How to render.
  */
-render?: RenderDescription, };
+render?: RenderDescription, 
+/**
+ * The time to show. Unit: s. Range: 0 to 1e6.
+ */
+time_seconds?: number, 
+/**
+ * Whether time goes on from there; only a session has a clock.
+ */
+playing?: boolean, };
 
 /**
  * Another scene is open.
@@ -973,7 +1048,11 @@ facts: Facts,
 /**
  * What was left out or approximated, one sentence each.
  */
-warnings: Array<string>, };
+warnings: Array<string>, 
+/**
+ * The clock, if something moves.
+ */
+clock?: ClockState, };
 
 /**
  * What the server says.
@@ -1046,7 +1125,7 @@ material: MaterialDescription,
  */
 transform?: Transform, 
 /**
- * Placement at which time, in order of time. Used by animation jobs.
+ * Placement at which time, in order of time; replaces `transform`.
  */
 keyframes?: Array<TransformKeyframe>, };
 
@@ -1099,6 +1178,24 @@ center: [number, number, number],
 radius: number, };
 
 /**
+ * A spot light's pose at one time.
+ */
+export type SpotKeyframe = { 
+/**
+ * Later than the keyframe before. Unit: s. Range: 0 to 1e6.
+ */
+time_seconds: number, 
+/**
+ * Unit: m. Linear in between.
+ */
+position: [number, number, number], 
+/**
+ * Axis of the cone, along propagation; any length above 1e−6. Turns along the shortest arc;
+ * not opposite to the keyframe before.
+ */
+direction: [number, number, number], };
+
+/**
  * Point light restricted to a cone, with glTF's angular falloff.
  */
 export type SpotLightDescription = { 
@@ -1133,7 +1230,11 @@ radius: number,
 /**
  * Whether surfaces block this light.
  */
-casts_shadows: boolean, };
+casts_shadows: boolean, 
+/**
+ * Where it is at which time, in order of time; replaces the pose above.
+ */
+keyframes?: Array<SpotKeyframe>, };
 
 /**
  * About one frame.
@@ -1192,6 +1293,10 @@ bytes: number,
  */
 technique: string, 
 /**
+ * The scene's time that it shows, if something moves. Unit: s.
+ */
+time_seconds?: number, 
+/**
  * Smoothed time from sending a frame to its acknowledgement. Unit: µs.
  */
 round_trip_micros?: number, };
@@ -1248,7 +1353,8 @@ export type TransformKeyframe = {
  */
 time_seconds: number, 
 /**
- * Placement at that time.
+ * Placement at that time. In between translation and scale are linear and the rotation turns
+ * along the shortest arc. No factor of the scale changes its sign from one to the next.
  */
 transform: Transform, };
 

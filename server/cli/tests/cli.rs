@@ -71,6 +71,7 @@ fn check_accepts_every_preset_and_names_what_is_wrong_with_a_file() {
         "light_shafts",
         "cornell_fog",
         "street_night",
+        "swinging_lamp",
         "smoke_plume",
         "cloud",
     ] {

@@ -11,11 +11,13 @@ use crate::targets::Targets;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[allow(
     clippy::struct_excessive_bools,
-    reason = "four independent kinds of change"
+    reason = "five independent kinds of change"
 )]
 pub(crate) struct Change {
     /// Triangles, materials or textures.
     pub geometry: bool,
+    /// Where instances stand. Restarts the mean.
+    pub placement: bool,
     /// Any radiance: camera pose, lights, media, settings, seed. Restarts the mean.
     pub radiance: bool,
     /// Only how it is displayed. Keeps the mean.
@@ -34,7 +36,8 @@ impl Change {
         // The picture's size is the view's, not the scene's.
         (same_stop.width, same_stop.height) = (old.render.width, old.render.height);
         Self {
-            geometry: old.geometry != new.geometry,
+            geometry: !old.geometry.same_surfaces(&new.geometry),
+            placement: old.geometry != new.geometry && !old.geometry.same_placement(&new.geometry),
             radiance: same_display != old.camera
                 || same_stop != old.render
                 || old.lights != new.lights
@@ -43,6 +46,11 @@ impl Change {
             exposure: old.camera.exposure_ev.to_bits() != new.camera.exposure_ev.to_bits(),
             stop: old.render.stop != new.render.stop,
         }
+    }
+
+    /// Whether the picture is another one.
+    pub fn restarts(self) -> bool {
+        self.geometry || self.placement || self.radiance
     }
 }
 
@@ -108,7 +116,7 @@ impl Image {
 
     /// Applies the reset rules.
     pub fn apply(&mut self, change: Change) {
-        if change.geometry || change.radiance {
+        if change.restarts() {
             self.restart();
         }
         if change.exposure {

@@ -49,6 +49,8 @@ pub struct FinishedFrame {
     pub render_micros: u32,
     /// Pixel samples of the reference's slice.
     pub units: u64,
+    /// Layers of shadow maps that were rendered: those whose light or casters changed.
+    pub shadow_layers: u32,
 }
 
 /// Numbers about a frame, measured on the device.
@@ -87,6 +89,8 @@ pub(crate) struct FrameMeta {
     pub filmed: bool,
     /// Pixel samples of the reference's slice.
     pub units: u64,
+    /// Layers of shadow maps that were rendered.
+    pub shadow_layers: u32,
     /// The reference's sweep it is part of.
     pub sweep: Option<Sweep>,
 }
@@ -223,6 +227,7 @@ impl ReadbackRing {
                 render_micros: u32::try_from(meta.started.elapsed().as_micros())
                     .unwrap_or(u32::MAX),
                 units: meta.units,
+                shadow_layers: meta.shadow_layers,
             }
         });
         slot.buffer.unmap();

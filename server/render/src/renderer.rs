@@ -62,6 +62,12 @@ impl Renderer {
         Some(report.total_allocated_bytes)
     }
 
+    /// How often meshes, materials and textures went to the device; instances that move send none
+    /// of them again.
+    pub fn uploaded_geometries(&self) -> u64 {
+        self.assets.uploaded_geometries()
+    }
+
     /// What the start-up self-test found.
     pub fn self_test(&self) -> SelfTest {
         self.device.self_test()
@@ -159,7 +165,7 @@ impl Renderer {
             &self.device,
             &view.scene,
             &view.facts,
-            view.assets.geometry.anchor,
+            view.assets.placement.anchor,
             (width, height),
             sample,
         );
@@ -170,7 +176,7 @@ impl Renderer {
             constants(
                 &view.scene,
                 &view.facts,
-                view.assets.geometry.emitter_count(),
+                view.assets.placement.emitter_count(),
                 view.limits(),
             ),
         );
@@ -209,6 +215,7 @@ impl Renderer {
             statistics_scale: statistics_scale(width, height),
             filmed: work == Work::Sample,
             units: slice.map_or(0, |slice| slice.units(width)),
+            shadow_layers: view.shadows.take_rendered(),
             sweep,
         };
         view.ring.submit(meta, frame_timing);

@@ -13,11 +13,7 @@ pub struct NotRenderedYet {
 
 /// Refuses what no pass renders.
 pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
-    let mut fields: Vec<String> = scene
-        .keyframes
-        .iter()
-        .map(|path| format!("{path}: animation"))
-        .collect();
+    let mut fields: Vec<String> = Vec::new();
     match scene.render.technique {
         Technique::Auto | Technique::SingleScattering | Technique::Reference => {}
         missing @ (Technique::InstantVpl

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tyndall_scene::{Scene, SceneFacts, ShadowMode};
+use tyndall_scene::{Aabb, Geometry, Scene, SceneFacts, ShadowMode};
 
 use crate::device::{AdapterKind, Device};
 use crate::error::RenderError;
-use crate::gpu_scene::{GpuAssets, GpuGeometry, Inputs};
+use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
 use crate::image::{Change, Image};
 use crate::plan::{FramePlan, PassKind, PlanLimits, plan};
 use crate::programs::Bindings;
@@ -113,7 +113,7 @@ impl View {
     ) -> Result<Self, RenderError> {
         let facts = tyndall_scene::facts(&scene);
         let plan = plan(&facts, &scene.render, &limits);
-        need_geometry(device, &assets.geometry, &plan)?;
+        need_placement(device, &assets.placement, &plan)?;
         let mut shadows = ShadowMaps::new(device);
         fit_shadows(&mut shadows, device, &scene, &facts, &plan)?;
         Ok(Self {
@@ -151,7 +151,7 @@ impl View {
         } else {
             None
         };
-        need_geometry(device, &assets.geometry, &plan)?;
+        need_placement(device, &assets.placement, &plan)?;
         fit_shadows(&mut self.shadows, device, &scene, &facts, &plan)?;
         let served = |volume: &LightVolume| volume.serves(&scene);
         if !plan.runs(PassKind::LightVolume) {
@@ -161,6 +161,9 @@ impl View {
         }
         if change.geometry {
             self.shadows.invalidate();
+        } else if change.placement {
+            self.shadows
+                .casters_moved(&moved_bounds(&self.scene.geometry, &scene.geometry));
         }
         if change.geometry || !self.inputs.fits(&scene) {
             self.inputs = Inputs::new(device, &scene);
@@ -172,9 +175,9 @@ impl View {
         self.facts = facts;
         self.plan = plan;
         self.assets = assets;
-        self.stale |= change.geometry || change.radiance;
+        self.stale |= change.restarts();
         self.image.apply(change);
-        if change.geometry || change.radiance {
+        if change.restarts() {
             self.slices.restart();
         }
         Ok(())
@@ -280,16 +283,16 @@ fn slice_budget(device: &Device) -> Duration {
 }
 
 /// Builds what the plan asks rays about.
-fn need_geometry(
+fn need_placement(
     device: &Device,
-    geometry: &GpuGeometry,
+    placement: &GpuPlacement,
     plan: &FramePlan,
 ) -> Result<(), RenderError> {
     let paths = plan.runs(PassKind::Reference) || plan.runs(PassKind::AreaLights);
     if paths && plan.runs(PassKind::Bvh) {
-        geometry.need_triangles(device)
+        placement.need_triangles(device)
     } else if plan.runs(PassKind::Bvh) {
-        geometry.need_bvh(device)
+        placement.need_bvh(device)
     } else {
         Ok(())
     }
@@ -317,10 +320,21 @@ fn fit_shadows(
     plan: &FramePlan,
 ) -> Result<(), RenderError> {
     let casters = facts
-        .surface_bounds
+        .swept_bounds
         .filter(|_| plan.runs(PassKind::ShadowMaps));
     let resolution = scene.render.shadows.resolution;
     shadows.update(device, &scene.lights, casters, resolution)
+}
+
+/// Boxes around every instance that stands elsewhere, where it was and where it is. Unit: m.
+fn moved_bounds(old: &Geometry, new: &Geometry) -> Vec<Aabb> {
+    old.instances
+        .iter()
+        .zip(&new.instances)
+        .filter(|(old, new)| old.world_from_object != new.world_from_object)
+        .flat_map(|(was, is)| [old.instance_bounds(was), new.instance_bounds(is)])
+        .flatten()
+        .collect()
 }
 
 fn needs(plan: &FramePlan) -> TargetNeeds {

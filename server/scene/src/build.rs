@@ -12,13 +12,15 @@ use crate::description::{
 };
 use crate::error::SceneError;
 use crate::files::Folder;
+use crate::geometry::{Geometry, SharedGeometry};
 use crate::import::{self, Assets, Imported};
 use crate::limits::Limits;
 use crate::scene::{
     Aabb, Camera, DirectionalLight, Environment, Light, Medium, MediumShape, PointLight,
-    ReferenceSettings, RenderSettings, Scene, ShadowSettings, SharedGeometry,
-    SingleScatteringSettings, SpotLight, StopRule,
+    ReferenceSettings, RenderSettings, Scene, ShadowSettings, SingleScatteringSettings, SpotLight,
+    StopRule,
 };
+use crate::tracks;
 use crate::validate;
 
 /// Samples a pixel if the description names no stop rule.
@@ -70,7 +72,12 @@ pub(crate) fn with_file_camera(
     let file_camera = imported.camera.take();
     let (geometry, mut warnings) = adopt(&mut description, imported, limits)?;
     let assets = Assets::load(&description, &folder, limits, &mut warnings)?;
-    let scene = scene(&description, SharedGeometry(Arc::new(geometry)), assets);
+    let scene = scene(
+        &description,
+        SharedGeometry(Arc::new(geometry)),
+        assets,
+        0.0,
+    )?;
     let loaded = Loaded {
         description,
         scene,
@@ -84,7 +91,7 @@ fn adopt(
     description: &mut SceneDescription,
     imported: Imported,
     limits: &Limits,
-) -> Result<(crate::scene::Geometry, Vec<String>), SceneError> {
+) -> Result<(Geometry, Vec<String>), SceneError> {
     let has_files = |entry: &GeometryDescription| matches!(entry, GeometryDescription::Gltf(gltf) if gltf.import_lights);
     if description.geometry.iter().any(has_files) {
         for entry in Arc::make_mut(&mut description.geometry) {
@@ -103,15 +110,16 @@ fn adopt(
     Ok((imported.geometry, imported.warnings))
 }
 
-/// The scene of a validated description with given geometry and files.
+/// The scene of a validated description with given geometry and files, at a time. Unit: s.
 pub(crate) fn scene(
     description: &SceneDescription,
     geometry: SharedGeometry,
     assets: Assets,
-) -> Scene {
+    seconds: f64,
+) -> Result<Scene, SceneError> {
     let Assets { map, shapes } = assets;
     let environment = description.lights.iter().find_map(environment);
-    Scene {
+    let scene = Scene {
         name: description.name.clone(),
         camera: camera(&description.camera),
         geometry,
@@ -124,8 +132,10 @@ pub(crate) fn scene(
             .map(|(description, shape)| medium(description, shape))
             .collect(),
         render: render(&description.render),
-        keyframes: description.keyframe_paths(),
-    }
+        animation: tracks::animation(description)?.map(Arc::new),
+        time_seconds: 0.0,
+    };
+    scene.at(seconds)
 }
 
 fn camera(camera: &CameraDescription) -> Camera {

@@ -9,9 +9,10 @@ use crate::description::{
     CameraDescription, LightDescription, MediumDescription, RenderDescription, SceneDescription,
 };
 use crate::error::SceneError;
+use crate::geometry::SharedGeometry;
 use crate::import::Assets;
 use crate::limits::Limits;
-use crate::scene::{Scene, SharedGeometry};
+use crate::scene::Scene;
 use crate::validate;
 
 /// A change to a scene. What is left out stays as it is; a list replaces the whole list.
@@ -34,6 +35,12 @@ pub struct SceneEdit {
     /// How to render.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub render: Option<RenderDescription>,
+    /// The time to show. Unit: s. Range: 0 to 1e6.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_seconds: Option<f64>,
+    /// Whether time goes on from there; only a session has a clock.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub playing: Option<bool>,
 }
 
 /// Applies an edit to a scene and its description.
@@ -68,6 +75,7 @@ pub fn apply_edit(
     validate::all_but_geometry(&edited, &Limits::default())?;
     let assets = Assets::kept(description, scene, &edited)?;
     let geometry = SharedGeometry(scene.geometry.0.clone());
-    let scene = build::scene(&edited, geometry, assets);
+    let seconds = edit.time_seconds.unwrap_or(scene.time_seconds);
+    let scene = build::scene(&edited, geometry, assets, seconds)?;
     Ok((edited, scene))
 }

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use glam::{BVec3, DVec3, Vec3};
+use glam::DVec3;
 
-use crate::scene::{
-    Aabb, Camera, Geometry, Instance, Light, Material, Medium, MediumShape, Scene, TextureRef,
-};
+use crate::geometry::{Geometry, Instance, Material, TextureRef};
+use crate::hull::{Hull, box_corners};
+use crate::scene::{Aabb, Camera, Light, Medium, MediumShape, Scene};
 
 /// Numbers and yes/no facts that decide which passes a scene needs.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -64,12 +64,17 @@ pub struct SceneFacts {
     /// Box around all triangles only; `None` without triangles. Unit: m.
     #[serde(skip)]
     pub surface_bounds: Option<Aabb>,
+    /// Box around all triangles at all times: what a shadow map is fitted to, so that it stands
+    /// still while casters move. Unit: m.
+    #[serde(skip)]
+    pub swept_bounds: Option<Aabb>,
 }
 
-/// Computes the facts of a scene. Cost: one pass over vertices and instances, not over triangles.
+/// Computes the facts of a scene. Cost: one pass over instances; the first time of a
+/// geometry also one over its vertices.
 pub fn facts(scene: &Scene) -> SceneFacts {
     let geometry = &scene.geometry;
-    let surface_bounds = surface_bounds(geometry);
+    let surface_bounds = geometry.bounds();
     let bounds = bounds(scene, surface_bounds);
     let triangles = |instance: &Instance| (geometry.meshes[instance.mesh].indices.len() / 3) as u64;
     let material =
@@ -138,6 +143,7 @@ pub fn facts(scene: &Scene) -> SceneFacts {
         optical_thickness: optical_thickness(&media, &bounds),
         bounds,
         surface_bounds,
+        swept_bounds: geometry.swept_bounds(),
     }
 }
 
@@ -253,30 +259,6 @@ fn intersection(a: &Aabb, b: Option<&Aabb>) -> Option<Aabb> {
     min.cmplt(max).all().then_some(Aabb { min, max })
 }
 
-/// Box around all placed meshes; transformed boxes, so a little too large for rotated ones.
-fn surface_bounds(geometry: &Geometry) -> Option<Aabb> {
-    let boxes: Vec<Option<(DVec3, DVec3)>> = geometry
-        .meshes
-        .iter()
-        .map(|mesh| {
-            let positions = mesh.positions.iter().map(|p| Vec3::from_array(*p));
-            let first = positions.clone().next()?;
-            let (min, max) =
-                positions.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
-            Some((min.as_dvec3(), max.as_dvec3()))
-        })
-        .collect();
-    let mut hull = Hull::default();
-    for instance in &geometry.instances {
-        if let Some((min, max)) = boxes[instance.mesh] {
-            for corner in box_corners(min, max) {
-                hull.add(instance.world_from_object.transform_point3(corner));
-            }
-        }
-    }
-    hull.padded()
-}
-
 /// Box around surfaces, positioned lights and bounded media; around the camera without any.
 fn bounds(scene: &Scene, surface_bounds: Option<Aabb>) -> Aabb {
     let mut hull = Hull::default();
@@ -328,36 +310,4 @@ fn bounds(scene: &Scene, surface_bounds: Option<Aabb>) -> Aabb {
             max: position.max(target) + 1.0,
         }
     })
-}
-
-/// The corners of a box.
-pub(crate) fn box_corners(min: DVec3, max: DVec3) -> [DVec3; 8] {
-    std::array::from_fn(|corner| {
-        let high = BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0);
-        DVec3::select(high, max, min)
-    })
-}
-
-/// A box that grows.
-#[derive(Default)]
-struct Hull(Option<(DVec3, DVec3)>);
-
-impl Hull {
-    fn add(&mut self, point: DVec3) {
-        let (min, max) = self.0.unwrap_or((point, point));
-        self.0 = Some((min.min(point), max.max(point)));
-    }
-
-    /// The box, thickened where it is flat so that `min < max` holds.
-    fn padded(self) -> Option<Aabb> {
-        let (mut min, mut max) = self.0?;
-        let least = 1e-3 + 1e-6 * (max - min).max_element();
-        for axis in 0..3 {
-            if max[axis] - min[axis] < least {
-                min[axis] -= 0.5 * least;
-                max[axis] += 0.5 * least;
-            }
-        }
-        Some(Aabb { min, max })
-    }
 }

@@ -116,6 +116,7 @@ fn bare_model(
         lights: Vec::new(),
         media: Vec::new(),
         render: RenderDescription::default(),
+        animation: None,
     };
     let (mut loaded, file_camera) = with_file_camera(description, Some(folder), limits)?;
     furnish(&mut loaded, file_camera);
@@ -126,7 +127,8 @@ fn bare_model(
         limits,
         &mut loaded.warnings,
     )?;
-    loaded.scene = crate::build::scene(&loaded.description, loaded.scene.geometry.clone(), assets);
+    let geometry = loaded.scene.geometry.clone();
+    loaded.scene = crate::build::scene(&loaded.description, geometry, assets, 0.0)?;
     Ok(loaded)
 }
 
@@ -158,6 +160,7 @@ fn furnish(loaded: &mut Loaded, file_camera: Option<CameraDescription>) {
             direction: [-0.5, -0.8, -0.35],
             irradiance: Rgb([3.2, 3.0, 2.7]),
             casts_shadows: true,
+            keyframes: Vec::new(),
         };
         description
             .lights

@@ -8,7 +8,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 
+use crate::animation::Animation;
 use crate::environment::EnvironmentMap;
+use crate::geometry::SharedGeometry;
 use crate::shared_grid::SharedGrid;
 
 /// A scene ready to be rendered. Cloning is cheap: the geometry is shared.
@@ -28,28 +30,11 @@ pub struct Scene {
     pub media: Vec<Medium>,
     /// How to render.
     pub render: RenderSettings,
-    /// JSON paths of keyframes: what an animation job would move.
-    pub keyframes: Vec<String>,
-}
-
-/// Geometry shared between scenes that differ in camera, lights or media only.
-///
-/// Equality is identity (`Arc::ptr_eq`): two loads of one file are different geometries.
-#[derive(Debug, Clone)]
-pub struct SharedGeometry(pub Arc<Geometry>);
-
-impl PartialEq for SharedGeometry {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
-    }
-}
-
-impl std::ops::Deref for SharedGeometry {
-    type Target = Geometry;
-
-    fn deref(&self) -> &Geometry {
-        &self.0
-    }
+    /// How camera and lights move; `None` if they stand still. Instances keep their own tracks in
+    /// `geometry`.
+    pub animation: Option<Arc<Animation>>,
+    /// The time at which camera, lights and instances are as they are here. Unit: s.
+    pub time_seconds: f64,
 }
 
 /// Perspective pinhole camera.
@@ -65,145 +50,6 @@ pub struct Camera {
     pub vertical_fov: f32,
     /// Exposure value: displayed = curve(radiance · 2^`exposure_ev`). Range: [−24, 24].
     pub exposure_ev: f32,
-}
-
-/// All triangles of a scene.
-#[derive(Debug, Clone, Default)]
-pub struct Geometry {
-    /// Object-space triangle meshes.
-    pub meshes: Vec<Mesh>,
-    /// Placed meshes.
-    pub instances: Vec<Instance>,
-    /// Surface materials, referred to by `Mesh::material`.
-    pub materials: Vec<Material>,
-    /// Decoded images, referred to by `TextureRef::texture`.
-    pub textures: Vec<Texture>,
-}
-
-/// An indexed triangle mesh in object space.
-///
-/// `normals` has one entry a vertex; `texcoords` and `colors` have either none or one a vertex.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Mesh {
-    /// Name for messages.
-    pub name: String,
-    /// Vertex positions. Unit: m (before the instance's transform).
-    pub positions: Vec<[f32; 3]>,
-    /// Unit vertex normals.
-    pub normals: Vec<[f32; 3]>,
-    /// Two sets of texture coordinates, each empty or one a vertex.
-    pub texcoords: [Vec<[f32; 2]>; 2],
-    /// Linear vertex colours, 255 = 1; empty means white.
-    pub colors: Vec<[u8; 4]>,
-    /// Three a triangle; counter-clockwise seen from the front.
-    pub indices: Vec<u32>,
-    /// Index into `Geometry::materials`.
-    pub material: usize,
-}
-
-/// A mesh placed in the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Instance {
-    /// Index into `Geometry::meshes`.
-    pub mesh: usize,
-    /// Invertible affine transform.
-    pub world_from_object: DAffine3,
-}
-
-/// Metallic-roughness surface material (glTF 2.0).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Material {
-    /// Name for messages.
-    pub name: String,
-    /// Linear RGB reflectance and alpha, each in [0, 1]; multiplies the texture.
-    pub base_color: [f32; 4],
-    /// sRGB texture of base colour and alpha.
-    pub base_color_texture: Option<TextureRef>,
-    /// Emitted radiance; multiplies the texture. Unit: W·m⁻²·sr⁻¹. Front side only unless `double_sided`.
-    pub emission: [f32; 3],
-    /// sRGB texture of emission.
-    pub emission_texture: Option<TextureRef>,
-    /// Range: [0, 1].
-    pub metallic: f32,
-    /// Perceptual roughness. Range: [0, 1].
-    pub roughness: f32,
-    /// Linear texture: roughness in G, metallic in B.
-    pub metallic_roughness_texture: Option<TextureRef>,
-    /// Linear tangent-space normal map.
-    pub normal_texture: Option<TextureRef>,
-    /// Scale of the normal map's x and y.
-    pub normal_scale: f32,
-    /// Alpha below this is a hole; `None` is opaque. Range: [0, 1].
-    pub alpha_cutoff: Option<f32>,
-    /// Both sides reflect; otherwise triangles seen from behind are culled.
-    pub double_sided: bool,
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            base_color: [0.8, 0.8, 0.8, 1.0],
-            base_color_texture: None,
-            emission: [0.0; 3],
-            emission_texture: None,
-            metallic: 0.0,
-            roughness: 1.0,
-            metallic_roughness_texture: None,
-            normal_texture: None,
-            normal_scale: 1.0,
-            alpha_cutoff: None,
-            double_sided: false,
-        }
-    }
-}
-
-/// A use of a texture by a material.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TextureRef {
-    /// Index into `Geometry::textures`.
-    pub texture: usize,
-    /// Which of `Mesh::texcoords`: 0 or 1.
-    pub texcoord_set: u8,
-    /// Rows of the 2×3 matrix applied to (u, v, 1): `KHR_texture_transform`.
-    pub uv_transform: [[f32; 3]; 2],
-}
-
-/// A decoded 8-bit image with its sampler.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Texture {
-    /// Name for messages.
-    pub name: String,
-    /// Pixels; at least 1.
-    pub width: u32,
-    /// Pixels; at least 1.
-    pub height: u32,
-    /// RGBA, row 0 at the top, `4 · width · height` bytes.
-    pub pixels: Vec<u8>,
-    /// How RGB is encoded; alpha is always linear.
-    pub color_space: ColorSpace,
-    /// Addressing along u and v.
-    pub wrap: [Wrap; 2],
-}
-
-/// Encoding of a texture's RGB.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ColorSpace {
-    /// IEC 61966-2-1.
-    Srgb,
-    /// Values are used as they are.
-    Linear,
-}
-
-/// Texture addressing outside [0, 1).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Wrap {
-    /// Tiles.
-    Repeat,
-    /// Tiles, every other one mirrored.
-    MirroredRepeat,
-    /// Repeats the edge texel.
-    ClampToEdge,
 }
 
 /// A light with a position or a direction.

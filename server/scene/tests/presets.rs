@@ -4,7 +4,7 @@ use glam::DVec3;
 use tyndall_scene::{Light, MediumShape, SceneDescription, build, facts, presets};
 
 #[test]
-fn there_are_six_presets_and_the_hall_comes_first() {
+fn there_are_seven_presets_and_the_hall_comes_first() {
     let names: Vec<&str> = presets::names().iter().map(|preset| preset.name).collect();
     assert_eq!(
         names,
@@ -13,6 +13,7 @@ fn there_are_six_presets_and_the_hall_comes_first() {
             "light_shafts",
             "cornell_fog",
             "street_night",
+            "swinging_lamp",
             "smoke_plume",
             "cloud"
         ]

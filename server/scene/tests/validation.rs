@@ -151,6 +151,8 @@ fn camera_rules() {
         camera.exposure_ev | 25 | = | 25 | −24 to 24
         camera.keyframes | [{"time_seconds": 1, "position": [0, 0, 0], "target": [0, 0, 1]}, {"time_seconds": 1, "position": [0, 0, 0], "target": [0, 0, 1]}] | camera.keyframes[1].time_seconds | 1 | more than the keyframe before
         camera.keyframes | [{"time_seconds": 0, "position": [0, 0, 0], "target": [0, 1, 0]}] | camera.keyframes[0].up | parallel | not parallel
+        camera.keyframes | [{"time_seconds": 0, "position": [0, 0, 0], "target": [0, 5, 1]}, {"time_seconds": 1, "position": [0, 0, 0], "target": [0, 5, -1]}] | camera.keyframes[1] | passes along up | never looks along up
+        camera.keyframes | [{"time_seconds": 0, "position": [0, 0, 1], "target": [0, 0, 0]}, {"time_seconds": 1, "position": [0, 0, -1], "target": [0, 0, 0]}] | camera.keyframes[1] | passes along up | or at itself
         "#,
     );
 }
@@ -239,6 +241,13 @@ fn geometry_rules() {
         geometry[0].transform | {"scale": [1, 0, 1]} | geometry[0].transform.scale[1] | 0 | magnitude
         geometry[0].transform | {"rotation_degrees": [1e6, 0, 0]} | geometry[0].transform.rotation_degrees[0] | 1000000 | −36000 to 36000
         geometry[0].keyframes | [{"time_seconds": -1, "transform": {}}] | geometry[0].keyframes[0].time_seconds | -1 | 0 to 1e6
+        geometry[0].keyframes | [{"time_seconds": 0, "transform": {}}, {"time_seconds": 1, "transform": {"scale": [1, -1, 1]}}] | geometry[0].keyframes[1].transform.scale[1] | -1 | sign
+        lights[0].keyframes | [{"time_seconds": 2, "position": [0, 0, 0]}, {"time_seconds": 1, "position": [0, 0, 0]}] | lights[0].keyframes[1].time_seconds | 1 | more than the keyframe before
+        lights[0].keyframes | [{"time_seconds": 0, "position": [0, 1e8, 0]}] | lights[0].keyframes[0].position[1] | 100000000 | 1e7
+        lights[1].keyframes | [{"time_seconds": 0, "position": [0, 0, 0], "direction": [0, 0, 0]}] | lights[1].keyframes[0].direction | [0.0, 0.0, 0.0] | longer than
+        lights[2].keyframes | [{"time_seconds": 0, "direction": [0, -1, 0]}, {"time_seconds": 1, "direction": [0, 3, 0]}] | lights[2].keyframes[1].direction | 3.0 | not opposite
+        animation | {"period_seconds": 0} | animation.period_seconds | 0 | 0.001 to 1e6
+        animation | {"period_seconds": 1e30} | animation.period_seconds | 1e+30 | 0.001 to 1e6
         geometry[4] | {"kind": "gltf", "path": "a.obj"} | geometry[4].path | a.obj | .gltf, .glb
         geometry[4] | {"kind": "gltf", "path": "a.glb", "luminous_efficacy": 0} | geometry[4].luminous_efficacy | 0 | 0.001 to 1e6
         "#,

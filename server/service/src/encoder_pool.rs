@@ -228,6 +228,10 @@ fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
         encode_micros: header.encode_micros,
         bytes: message.len() as u64,
         technique: wish.scene.render.technique.name().to_owned(),
+        time_seconds: wish
+            .scene
+            .duration_seconds()
+            .map(|_| wish.scene.time_seconds),
         round_trip_micros: round_trip.map(|time| time.as_micros() as u64),
     };
     Ok(EncodedFrame {

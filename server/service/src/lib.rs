@@ -19,6 +19,7 @@
 
 pub mod backend;
 mod bell;
+mod clock;
 mod encoder_pool;
 pub mod options;
 mod outbox;

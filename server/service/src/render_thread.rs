@@ -249,7 +249,7 @@ impl<B: Backend> RenderThread<B> {
             .view
             .as_ref()
             .is_some_and(|view| backend.is_converged(view));
-        if finished && !changed {
+        if finished && !changed && !wish.playing {
             answer_again(seat, &wish, now);
             return Ok(Looked::Nothing);
         }
@@ -262,6 +262,11 @@ impl<B: Backend> RenderThread<B> {
         if current && seat.session.outbox.holds_frame() {
             return Ok(Looked::Nothing);
         }
+        let wish = if wish.playing {
+            seat.session.advance(now)
+        } else {
+            wish
+        };
         update(backend, seat, &wish)?;
         let Some(view) = &mut seat.view else {
             return Ok(Looked::Nothing);
@@ -334,7 +339,7 @@ impl<B: Backend> RenderThread<B> {
                 (Some(backend), Some(view)) => backend.is_converged(view),
                 _ => false,
             };
-            wish.watched && !refused && (changed || !finished)
+            wish.watched && !refused && (changed || !finished || wish.playing)
         };
         let due = self.seats.iter().filter(wants);
         let deadline = due

@@ -11,9 +11,12 @@ use tyndall_render::check_supported;
 use tyndall_scene::description::CameraDescription;
 use tyndall_scene::{Loaded, Scene, SceneDescription, SceneEdit, SceneError, apply_edit, facts};
 use tyndall_stream::pacing::{Accepts, Pacing, PacingSettings};
-use tyndall_stream::protocol::{CameraPose, ErrorCode, ErrorMessage, Facts, SceneMessage};
+use tyndall_stream::protocol::{
+    CameraPose, ClockState, ErrorCode, ErrorMessage, Facts, SceneMessage,
+};
 
 use crate::bell::lock;
+use crate::clock::Clock;
 use crate::outbox::Outbox;
 
 /// Why a session refused a change; its state is as before.
@@ -52,6 +55,8 @@ pub(crate) struct Wish {
     /// Someone is connected and looking.
     pub(crate) watched: bool,
     pub(crate) accepts: Accepts,
+    /// Time goes on: the next frame shows another one, see [`Session::advance`].
+    pub(crate) playing: bool,
 }
 
 /// A session, connected or waiting to be resumed.
@@ -73,6 +78,7 @@ struct State {
     description: SceneDescription,
     warnings: Vec<String>,
     wish: Wish,
+    clock: Clock,
     visible: bool,
     /// Since when nobody is connected.
     dropped: Option<Instant>,
@@ -89,6 +95,7 @@ impl Session {
             height: scene.scene.render.height,
             watched: true,
             accepts,
+            playing: false,
         };
         Self {
             id,
@@ -99,6 +106,7 @@ impl Session {
                 description: scene.description.clone(),
                 warnings: scene.warnings.clone(),
                 wish,
+                clock: Clock::new(&scene.scene),
                 visible: true,
                 dropped: None,
             }),
@@ -112,8 +120,24 @@ impl Session {
         let watched = state.visible && state.dropped.is_none();
         Wish {
             watched,
+            playing: state.clock.is_running(),
             ..state.wish.clone()
         }
+    }
+
+    /// What to render in a frame begun at `now`: time has gone on until then.
+    pub(crate) fn advance(&self, now: Instant) -> Wish {
+        let mut state = lock(&self.state);
+        let seconds = state.clock.tick(now);
+        match state.wish.scene.at(seconds) {
+            Ok(scene) => state.wish.scene = Arc::new(scene),
+            // The clock stays where the scene is defined.
+            Err(error) => tracing::error!(session = self.id, %error, "a clock ran away"),
+        }
+        drop(state);
+        // Motion counts as input: what is gone at once needs no sharper picture.
+        lock(&self.pacing).input(now);
+        self.wish()
     }
 
     /// Gives the session to another connection and returns that connection's number.
@@ -134,7 +158,9 @@ impl Session {
     pub(crate) fn disconnect(&self, connection: u64, now: Instant) -> bool {
         let owns = *self.connection.borrow() == connection;
         if owns {
-            lock(&self.state).dropped = Some(now);
+            let mut state = lock(&self.state);
+            state.dropped = Some(now);
+            state.clock.hold();
         }
         owns
     }
@@ -171,10 +197,11 @@ impl Session {
             description: state.description.clone(),
             facts: Facts::from(&facts(&state.wish.scene)),
             warnings: state.warnings.clone(),
+            clock: clock_state(&state),
         }
     }
 
-    /// Moves the eye.
+    /// Moves the eye; a camera that is steered leaves its keyframes.
     pub(crate) fn set_camera(
         &self,
         input: u64,
@@ -188,6 +215,7 @@ impl Session {
                 target: pose.target,
                 up: pose.up,
                 vertical_fov_degrees: pose.vertical_fov_degrees,
+                keyframes: Vec::new(),
                 ..state.description.camera.clone()
             }
         };
@@ -207,6 +235,13 @@ impl Session {
         let (description, scene) = apply_edit(&state.description, &state.wish.scene, edit)?;
         check_supported(&scene)?;
         state.description = description;
+        state.clock.adopt(&scene);
+        if let Some(seconds) = edit.time_seconds {
+            state.clock.seek(seconds);
+        }
+        if let Some(playing) = edit.playing {
+            state.clock.play(playing);
+        }
         state.wish.scene = Arc::new(scene);
         state.wish.input = state.wish.input.max(input);
         drop(state);
@@ -220,6 +255,7 @@ impl Session {
         let mut state = lock(&self.state);
         state.description = scene.description.clone();
         state.warnings.clone_from(&scene.warnings);
+        state.clock = Clock::new(&scene.scene);
         state.wish.scene = Arc::new(scene.scene.clone());
         state.wish.epoch = state.wish.epoch.wrapping_add(1);
         state.wish.input = state.wish.input.max(input);
@@ -240,6 +276,20 @@ impl Session {
 
     /// Says whether anyone is looking.
     pub(crate) fn set_visible(&self, visible: bool) {
-        lock(&self.state).visible = visible;
+        let mut state = lock(&self.state);
+        state.visible = visible;
+        if !visible {
+            state.clock.hold();
+        }
     }
+}
+
+/// The clock as the protocol says it, if something moves.
+fn clock_state(state: &State) -> Option<ClockState> {
+    let scene = &state.wish.scene;
+    Some(ClockState {
+        playing: state.clock.is_playing(),
+        time_seconds: scene.time_seconds,
+        duration_seconds: scene.duration_seconds()?,
+    })
 }

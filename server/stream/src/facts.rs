@@ -62,6 +62,7 @@ impl From<&tyndall_scene::SceneFacts> for Facts {
             optical_thickness,
             bounds: _,
             surface_bounds: _,
+            swept_bounds: _,
         } = *facts;
         Self {
             triangles,

@@ -71,7 +71,7 @@ impl Hello {
     }
 }
 
-/// Where the eye is; exposure and keyframes stay as they are.
+/// Where the eye is; exposure stays as it is, keyframes are left.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, TS)]
 #[serde(deny_unknown_fields)]
 pub struct CameraPose {
@@ -292,6 +292,21 @@ pub struct SceneMessage {
     pub facts: Facts,
     /// What was left out or approximated, one sentence each.
     pub warnings: Vec<String>,
+    /// The clock, if something moves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[ts(optional)]
+    pub clock: Option<ClockState>,
+}
+
+/// The clock of a session whose scene moves; edits set it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, TS)]
+pub struct ClockState {
+    /// Whether time goes on.
+    pub playing: bool,
+    /// The time shown. Unit: s.
+    pub time_seconds: f64,
+    /// After which the scene starts over or stands still. Unit: s.
+    pub duration_seconds: f64,
 }
 
 /// What each frame does.
@@ -350,6 +365,10 @@ pub struct Stats {
     pub bytes: u64,
     /// What transported the light.
     pub technique: String,
+    /// The scene's time that it shows, if something moves. Unit: s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[ts(optional)]
+    pub time_seconds: Option<f64>,
     /// Smoothed time from sending a frame to its acknowledgement. Unit: µs.
     #[ts(optional)]
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -36,6 +36,7 @@ export function addLight(
     addSpectrum(folder, radiance, 'Radiance', 'Colour', RADIANCE);
     return;
   }
+  const moves = (light.keyframes?.length ?? 0) > 0;
   if (light.kind === 'directional') {
     const irradiance = touch<Vec3>(
       () => toVec3(light.irradiance),
@@ -58,9 +59,10 @@ export function addLight(
         light.position = value;
       },
     );
-    new VectorController(folder, position, 'Position', 'm', 0.05);
+    // Keyframes replace the pose.
+    if (!moves) new VectorController(folder, position, 'Position', 'm', 0.05);
   }
-  if (light.kind !== 'point') {
+  if (light.kind !== 'point' && !moves) {
     const direction = touch<Vec3>(
       () => light.direction,
       (value) => {

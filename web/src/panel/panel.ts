@@ -19,6 +19,7 @@ import { addLight } from './light';
 import { addMedium } from './medium';
 import { addQuality, addTechnique } from './render';
 import { addButton, addReadout, addSelect, addSlider } from './rows';
+import { addTime, type TimeFolder } from './time';
 import './panel.css';
 
 export interface PanelEvents {
@@ -34,6 +35,7 @@ export class Panel {
   private draft: Draft | null = null;
   private shape = '';
   private camera: CameraFolder | null = null;
+  private time: TimeFolder | null = null;
   private readonly open = new Map<string, boolean>();
 
   constructor(
@@ -46,8 +48,9 @@ export class Panel {
   /** Shows a scene; rows are rebuilt only when there are other lights or media than before. */
   show(scene: SceneMessage, presets: readonly Preset[]): void {
     const draft = new Draft(scene.description, (edit) => this.events.onEdit(edit));
-    const shape = shapeOf(scene.name, scene.description);
-    if (this.gui !== null && this.draft !== null && shape === this.shape) {
+    // A clock is rebuilt: it may have been set by another page.
+    const shape = scene.clock === undefined ? shapeOf(scene.name, scene.description) : '';
+    if (this.gui !== null && this.draft !== null && shape !== '' && shape === this.shape) {
       this.draft.take(draft.description);
       this.refresh();
       return;
@@ -75,6 +78,11 @@ export class Panel {
     this.camera?.show(pose);
   }
 
+  /** A picture shows this time of the scene. Unit: s. */
+  showTime(seconds: number): void {
+    this.time?.show(seconds);
+  }
+
   /** The whole state as an edit; null before the first scene. */
   state(): SceneEdit | null {
     return this.draft?.everything() ?? null;
@@ -94,6 +102,11 @@ export class Panel {
     this.gui = gui;
 
     this.addScene(gui.addFolder('Scene'), scene, presets);
+    const { clock } = scene;
+    this.time =
+      clock === undefined
+        ? null
+        : addTime(gui.addFolder('Time'), clock, (edit) => this.events.onEdit(edit));
     const image = gui.addFolder('Image');
     addTechnique(image, description.render, () => draft.changed('render'));
     const exposure = field(
@@ -159,7 +172,8 @@ function shapeOf(name: string, description: SceneDescription): string {
 }
 
 function isLight(folder: GUI, description: Editable): boolean {
+  const folders = folder.root.folders.filter((other) => other._title !== 'Time');
   const first = 2 + description.media.length;
-  const index = folder.root.folders.indexOf(folder);
+  const index = folders.indexOf(folder);
   return index >= first && index < first + description.lights.length;
 }

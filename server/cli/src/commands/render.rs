@@ -42,6 +42,9 @@ pub struct Render {
     /// Estimated relative error to reach, 0.01 for 1 %.
     #[arg(long, group = "stop", allow_negative_numbers = true)]
     error: Option<f64>,
+    /// Time that the scene is shown at, in seconds; 0 without it.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    at: Option<f64>,
     /// Seed of every random number.
     #[arg(long)]
     seed: Option<u64>,
@@ -128,6 +131,7 @@ impl Render {
         }
         let edit = tyndall_scene::SceneEdit {
             render: Some(render),
+            time_seconds: self.at,
             ..Default::default()
         };
         let (description, scene) =

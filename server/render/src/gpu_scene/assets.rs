@@ -3,10 +3,9 @@
 
 use std::sync::{Arc, Weak};
 
-use glam::DVec3;
 use tyndall_scene::Scene;
 
-use super::{GpuEnvironment, GpuGeometry, GpuGrids};
+use super::{GpuEnvironment, GpuGeometry, GpuGrids, GpuPlacement};
 use crate::device::Device;
 use crate::error::RenderError;
 use crate::programs::Bindings;
@@ -15,6 +14,8 @@ use crate::programs::Bindings;
 #[derive(Debug, Clone)]
 pub(crate) struct GpuAssets {
     pub geometry: Arc<GpuGeometry>,
+    /// What of it depends on where instances stand.
+    pub placement: Arc<GpuPlacement>,
     pub grids: Option<Arc<GpuGrids>>,
     pub environment: Option<Arc<GpuEnvironment>>,
 }
@@ -23,6 +24,7 @@ impl GpuAssets {
     /// Adds what passes read of them.
     pub fn bind<'a>(&'a self, bindings: &mut Bindings<'a>) {
         self.geometry.bind(bindings);
+        self.placement.bind(bindings);
         if let Some(grids) = &self.grids {
             grids.bind(bindings);
         }
@@ -36,16 +38,24 @@ impl GpuAssets {
 #[derive(Debug, Default)]
 pub(crate) struct AssetCache {
     geometries: Vec<Weak<GpuGeometry>>,
+    placements: Vec<Weak<GpuPlacement>>,
     grids: Vec<Weak<GpuGrids>>,
     environments: Vec<Weak<GpuEnvironment>>,
+    uploaded_geometries: u64,
 }
 
 impl AssetCache {
     /// The parts of a scene, uploaded where no view has them.
     pub fn assets(&mut self, device: &Device, scene: &Scene) -> Result<GpuAssets, RenderError> {
         let geometry = self.geometry(device, scene)?;
+        let placement = found(find_or(
+            &mut self.placements,
+            |known| known.source == scene.geometry || known.source.same_placement(&scene.geometry),
+            || Ok(Some(GpuPlacement::new(&scene.geometry))),
+        )?)?;
         Ok(GpuAssets {
             geometry,
+            placement,
             grids: find_or(
                 &mut self.grids,
                 |known| known.serve(scene),
@@ -64,19 +74,27 @@ impl AssetCache {
         device: &Device,
         scene: &Scene,
     ) -> Result<Arc<GpuGeometry>, RenderError> {
+        let uploads = &mut self.uploaded_geometries;
         let upload = || {
-            let anchor = tyndall_scene::facts(scene)
-                .surface_bounds
-                .map_or(DVec3::ZERO, |bounds| 0.5 * (bounds.min + bounds.max));
-            GpuGeometry::upload(device, &scene.geometry, anchor).map(Some)
+            *uploads += 1;
+            GpuGeometry::upload(device, &scene.geometry).map(Some)
         };
-        let found = find_or(
+        found(find_or(
             &mut self.geometries,
-            |known| known.source == scene.geometry,
+            |known| known.source.same_surfaces(&scene.geometry),
             upload,
-        )?;
-        found.ok_or_else(|| RenderError::Refused("no geometry".into()))
+        )?)
     }
+
+    /// How often meshes, materials and textures went to the device.
+    pub fn uploaded_geometries(&self) -> u64 {
+        self.uploaded_geometries
+    }
+}
+
+/// Every scene has a geometry, if only an empty one.
+fn found<T>(part: Option<Arc<T>>) -> Result<Arc<T>, RenderError> {
+    part.ok_or_else(|| RenderError::Refused("no geometry".into()))
 }
 
 /// The known part that `serves`, or a new one.

@@ -1,13 +1,11 @@
-//! Vertices, indices, draws, materials and textures of a geometry, uploaded once and shared.
-
-use std::sync::OnceLock;
+//! Vertices, indices, draws, materials and textures of a geometry, uploaded once and shared by all its
+//! placements.
 
 use bytemuck::{Pod, Zeroable};
-use glam::DVec3;
 use tyndall_scene::{Geometry, SharedGeometry};
 use wgpu::util::DeviceExt as _;
 
-use super::{GpuBvh, GpuTriangles, TextureArrays, TextureKind, materials};
+use super::{TextureArrays, TextureKind, materials};
 use crate::device::Device;
 use crate::error::RenderError;
 use crate::programs::Bindings;
@@ -55,6 +53,7 @@ pub(crate) struct Draw {
 /// Geometry on the device.
 #[derive(Debug)]
 pub(crate) struct GpuGeometry {
+    /// The placement it was uploaded for; any other of the same surfaces is drawn with it, too.
     pub source: SharedGeometry,
     pub vertices: wgpu::Buffer,
     pub indices: wgpu::Buffer,
@@ -66,19 +65,11 @@ pub(crate) struct GpuGeometry {
     pub textures: Option<TextureArrays>,
     /// Metallic-roughness and normal maps: only the reference reads them.
     pub data_textures: Option<TextureArrays>,
-    /// Point that BVH coordinates are relative to: the middle of the surfaces.
-    pub anchor: DVec3,
-    bvh: OnceLock<GpuBvh>,
-    triangles: OnceLock<GpuTriangles>,
 }
 
 impl GpuGeometry {
     /// Uploads a geometry. Errors where the device's buffers are too small for it.
-    pub fn upload(
-        device: &Device,
-        source: &SharedGeometry,
-        anchor: DVec3,
-    ) -> Result<Self, RenderError> {
+    pub fn upload(device: &Device, source: &SharedGeometry) -> Result<Self, RenderError> {
         let mut vertices = Vec::new();
         let mut indices = Vec::new();
         let mut ranges = Vec::with_capacity(source.meshes.len());
@@ -135,40 +126,11 @@ impl GpuGeometry {
             materials,
             textures,
             data_textures,
-            anchor,
-            bvh: OnceLock::new(),
-            triangles: OnceLock::new(),
             source: source.clone(),
         })
     }
 
-    /// Builds and uploads the BVH on the first call.
-    pub fn need_bvh(&self, device: &Device) -> Result<(), RenderError> {
-        if self.bvh.get().is_none() {
-            let built = GpuBvh::build(device, &self.source, self.anchor)?;
-            self.bvh.get_or_init(|| built);
-        }
-        Ok(())
-    }
-
-    /// Uploads what paths ask about triangles on the first call; builds the BVH, too.
-    pub fn need_triangles(&self, device: &Device) -> Result<(), RenderError> {
-        self.need_bvh(device)?;
-        if let Some(bvh) = self.bvh.get()
-            && self.triangles.get().is_none()
-        {
-            let uploaded = GpuTriangles::upload(device, &self.source, bvh)?;
-            self.triangles.get_or_init(|| uploaded);
-        }
-        Ok(())
-    }
-
-    /// Emissive triangles, once they are uploaded.
-    pub fn emitter_count(&self) -> u32 {
-        self.triangles.get().map_or(0, |t| t.emitter_count)
-    }
-
-    /// Adds what passes read of it; the BVH only once it is built.
+    /// Adds what passes read of it.
     pub fn bind<'a>(&'a self, bindings: &mut Bindings<'a>) {
         bindings.buffer("materials", &self.materials);
         // A geometry with textures of one kind only binds them as both: nothing is sampled.
@@ -186,16 +148,6 @@ impl GpuGeometry {
                 .texture("texture_array_2", textures.view(2))
                 .texture("texture_array_3", textures.view(3))
                 .sampler("texture_sampler", &textures.sampler);
-        }
-        if let Some(bvh) = self.bvh.get() {
-            bindings
-                .buffer("bvh_nodes", &bvh.nodes)
-                .buffer("bvh_vertices", &bvh.vertices);
-        }
-        if let Some(triangles) = self.triangles.get() {
-            bindings
-                .buffer("triangle_surfaces", &triangles.surfaces)
-                .buffer("emitters", &triangles.emitters);
         }
     }
 }

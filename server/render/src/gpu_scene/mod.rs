@@ -8,6 +8,7 @@ mod geometry;
 mod grids;
 mod inputs;
 mod materials;
+mod placement;
 mod textures;
 mod triangles;
 mod values;
@@ -26,6 +27,7 @@ pub(crate) use inputs::frame_values;
 pub(crate) use inputs::{Inputs, SampleValues};
 #[cfg(feature = "probe")]
 pub(crate) use materials::material_values;
+pub(crate) use placement::GpuPlacement;
 pub(crate) use textures::{TextureArrays, TextureKind};
 pub(crate) use triangles::GpuTriangles;
 #[cfg(feature = "probe")]

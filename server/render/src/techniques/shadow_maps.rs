@@ -1,7 +1,7 @@
 //! Depth maps seen from the lights: one for a spot, six for a point, one for a directional light.
 //!
-//! All are layers of one array. A layer is rendered again only when its light, the casters or the
-//! resolution changed: its pose in the world is its key, so a moving camera costs nothing here.
+//! All are layers of one array. A layer is rendered again only when the resolution or its light's pose
+//! changed, or a caster in its frustum moved: a moving camera costs nothing here.
 //! Bias: a texel's footprint; slope-scaled depth bias in the map, normal offset at receivers.
 
 use glam::{DVec3, DVec4};
@@ -16,6 +16,8 @@ use crate::programs::{Bindings, RasterTargets};
 
 /// Bytes of depth maps a view may use: 1 GiB.
 const MAX_BYTES: u64 = 1 << 30;
+/// Boxes of moved casters that are looked at one by one.
+const MAX_BOXES: usize = 1024;
 /// Storage buffer offsets are multiples of this.
 const STRIDE: u64 = 256;
 
@@ -37,6 +39,36 @@ enum Lens {
     Orthographic { half: DVec3 },
 }
 
+impl Pose {
+    /// Whether a box may reach into the frustum: false only if all of it lies outside one of the
+    /// planes, by more than the device rounds.
+    fn sees(&self, bounds: &Aabb) -> bool {
+        let corners = corners(*bounds).map(|corner| {
+            let d = corner - self.position;
+            DVec3::new(d.dot(self.right), d.dot(self.up), d.dot(self.forward))
+        });
+        let slack = |c: &DVec3| 1e-5 * c.abs().max_element();
+        let reaches =
+            |inside: &dyn Fn(&DVec3) -> f64| corners.iter().any(|c| inside(c) >= -slack(c));
+        let (x, y, z) = match self.lens {
+            Lens::Perspective { tan, near } => {
+                return reaches(&|c| c.z - near)
+                    && reaches(&|c| tan * c.z - c.x)
+                    && reaches(&|c| tan * c.z + c.x)
+                    && reaches(&|c| tan * c.z - c.y)
+                    && reaches(&|c| tan * c.z + c.y);
+            }
+            Lens::Orthographic { half } => (half.x, half.y, half.z),
+        };
+        reaches(&|c| x - c.x)
+            && reaches(&|c| x + c.x)
+            && reaches(&|c| y - c.y)
+            && reaches(&|c| y + c.y)
+            && reaches(&|c| z - c.z)
+            && reaches(&|c| z + c.z)
+    }
+}
+
 /// The depth maps of one view.
 #[derive(Debug)]
 pub(crate) struct ShadowMaps {
@@ -44,6 +76,8 @@ pub(crate) struct ShadowMaps {
     poses: Vec<Pose>,
     /// Whether a layer holds the depths of its pose.
     current: Vec<bool>,
+    /// Layers rendered since they were counted last.
+    rendered: u32,
     /// First layer of each light.
     first: Vec<Option<u32>>,
     maps: Option<Maps>,
@@ -66,6 +100,7 @@ impl ShadowMaps {
             resolution: 0,
             poses: Vec::new(),
             current: Vec::new(),
+            rendered: 0,
             first: Vec::new(),
             maps: None,
             sampler: device.device.create_sampler(&wgpu::SamplerDescriptor {
@@ -121,6 +156,26 @@ impl ShadowMaps {
         self.current.fill(false);
     }
 
+    /// Forgets the depths of layers that see a caster which moved; `boxes` are around each where it was
+    /// and where it is. Unit: m.
+    pub fn casters_moved(&mut self, boxes: &[Aabb]) {
+        let joined = boxes.iter().copied().reduce(|a, b| Aabb {
+            min: a.min.min(b.min),
+            max: a.max.max(b.max),
+        });
+        let Some(joined) = joined else { return };
+        for (pose, current) in self.poses.iter().zip(&mut self.current) {
+            // So many boxes are not told apart: that would cost more than the depths.
+            let seen = || boxes.len() > MAX_BOXES || boxes.iter().any(|b| pose.sees(b));
+            *current &= !(pose.sees(&joined) && seen());
+        }
+    }
+
+    /// How many layers were rendered since the last call.
+    pub fn take_rendered(&mut self) -> u32 {
+        std::mem::take(&mut self.rendered)
+    }
+
     /// First layer of light `index` and the side of its texels, if it has a map: in metres, or at
     /// distance 1 for a light with a position.
     pub fn of_light(&self, index: usize) -> Option<(u32, f32)> {
@@ -164,14 +219,16 @@ impl ShadowMaps {
         }
     }
 
-    /// Renders the layers that are not current; returns how many.
+    /// Renders the layers that are not current.
     pub fn record(
         &mut self,
         recording: &mut Recording<'_>,
         geometry: &GpuGeometry,
         instances: &wgpu::Buffer,
-    ) -> Result<u32, RenderError> {
-        let Some(maps) = &self.maps else { return Ok(0) };
+    ) -> Result<(), RenderError> {
+        let Some(maps) = &self.maps else {
+            return Ok(());
+        };
         let draws: Vec<_> = geometry
             .draws
             .iter()
@@ -185,7 +242,6 @@ impl ShadowMaps {
                 draw,
             })
             .collect();
-        let mut rendered = 0;
         let size = std::num::NonZeroU64::new(size_of::<ShadowView>() as u64)
             .unwrap_or(std::num::NonZeroU64::MIN);
         for (i, layer) in maps.layers.iter().enumerate() {
@@ -220,9 +276,9 @@ impl ShadowMaps {
                 &draws,
             )?;
             self.current[i] = true;
-            rendered += 1;
+            self.rendered += 1;
         }
-        Ok(rendered)
+        Ok(())
     }
 }
 

@@ -21,7 +21,8 @@ pub struct CameraDescription {
     /// Exposure value: displayed = curve(radiance · 2^`exposure_ev`). Range: −24 to 24.
     #[serde(default)]
     pub exposure_ev: f64,
-    /// Where the camera is at which time, in order of time. Used by animation jobs.
+    /// Where the camera is at which time, in order of time; replaces the pose above.
+    /// Linear in between.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[ts(optional, as = "Option<Vec<CameraKeyframe>>")]
     pub keyframes: Vec<CameraKeyframe>,

@@ -40,7 +40,7 @@ macro_rules! geometry_kind {
             /// Placement; identity if left out.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             pub transform: Option<Transform>,
-            /// Placement at which time, in order of time. Used by animation jobs.
+            /// Placement at which time, in order of time; replaces `transform`.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             #[ts(optional, as = "Option<Vec<TransformKeyframe>>")]
             pub keyframes: Vec<TransformKeyframe>,
@@ -54,7 +54,8 @@ macro_rules! geometry_kind {
 pub struct TransformKeyframe {
     /// Later than the keyframe before. Unit: s. Range: 0 to 1e6.
     pub time_seconds: f64,
-    /// Placement at that time.
+    /// Placement at that time. In between translation and scale are linear and the rotation turns
+    /// along the shortest arc. No factor of the scale changes its sign from one to the next.
     pub transform: Transform,
 }
 

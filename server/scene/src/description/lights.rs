@@ -50,6 +50,10 @@ light_kind! {
         /// Whether surfaces block this light.
         #[serde(default = "yes")]
         pub casts_shadows: bool,
+        /// Where it is at which time, in order of time; replaces the pose above.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        #[ts(optional, as = "Option<Vec<PositionKeyframe>>")]
+        pub keyframes: Vec<PositionKeyframe>,
     }
 }
 
@@ -74,6 +78,10 @@ light_kind! {
         /// Whether surfaces block this light.
         #[serde(default = "yes")]
         pub casts_shadows: bool,
+        /// Where it is at which time, in order of time; replaces the pose above.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        #[ts(optional, as = "Option<Vec<SpotKeyframe>>")]
+        pub keyframes: Vec<SpotKeyframe>,
     }
 }
 
@@ -87,6 +95,10 @@ light_kind! {
         /// Whether surfaces block this light.
         #[serde(default = "yes")]
         pub casts_shadows: bool,
+        /// Where it is at which time, in order of time; replaces the pose above.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        #[ts(optional, as = "Option<Vec<DirectionKeyframe>>")]
+        pub keyframes: Vec<DirectionKeyframe>,
     }
 }
 
@@ -103,6 +115,40 @@ light_kind! {
         #[serde(default)]
         pub rotation_degrees: f64,
     }
+}
+
+/// A light's position at one time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(deny_unknown_fields)]
+pub struct PositionKeyframe {
+    /// Later than the keyframe before. Unit: s. Range: 0 to 1e6.
+    pub time_seconds: f64,
+    /// Unit: m. Linear in between.
+    pub position: [f64; 3],
+}
+
+/// A spot light's pose at one time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(deny_unknown_fields)]
+pub struct SpotKeyframe {
+    /// Later than the keyframe before. Unit: s. Range: 0 to 1e6.
+    pub time_seconds: f64,
+    /// Unit: m. Linear in between.
+    pub position: [f64; 3],
+    /// Axis of the cone, along propagation; any length above 1e−6. Turns along the shortest arc;
+    /// not opposite to the keyframe before.
+    pub direction: [f64; 3],
+}
+
+/// A light's direction at one time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(deny_unknown_fields)]
+pub struct DirectionKeyframe {
+    /// Later than the keyframe before. Unit: s. Range: 0 to 1e6.
+    pub time_seconds: f64,
+    /// In which the light travels; any length above 1e−6. Turns along the shortest arc; not
+    /// opposite to the keyframe before.
+    pub direction: [f64; 3],
 }
 
 fn radius() -> f64 {

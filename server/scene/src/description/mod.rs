@@ -57,6 +57,20 @@ pub struct SceneDescription {
     /// How to render.
     #[serde(default)]
     pub render: RenderDescription,
+    /// How time goes on; matters only with keyframes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub animation: Option<AnimationDescription>,
+}
+
+/// How time goes on.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(deny_unknown_fields, default)]
+#[ts(optional_fields)]
+pub struct AnimationDescription {
+    /// After which everything starts over; without it everything keeps the state of its last
+    /// keyframe. Unit: s. Range: 0.001 to 1e6.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub period_seconds: Option<f64>,
 }
 
 impl SceneDescription {
@@ -102,17 +116,6 @@ impl SceneDescription {
     pub fn to_json(&self) -> Result<String, SceneError> {
         serde_json::to_string_pretty(self)
             .map_err(|error| SceneError::invalid("", error.to_string(), "finite numbers"))
-    }
-
-    /// JSON paths of the keyframes, which animation jobs use and a still picture can't show.
-    pub fn keyframe_paths(&self) -> Vec<String> {
-        let camera = (!self.camera.keyframes.is_empty()).then(|| "camera.keyframes".to_owned());
-        let geometry = self.geometry.iter().enumerate();
-        let animated = geometry.filter(|(_, entry)| !entry.keyframes().is_empty());
-        camera
-            .into_iter()
-            .chain(animated.map(|(i, _)| format!("geometry[{i}].keyframes")))
-            .collect()
     }
 }
 

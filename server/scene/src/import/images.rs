@@ -6,7 +6,7 @@ use image::{ImageFormat, ImageReader};
 
 use super::{Importer, limit};
 use crate::error::SceneError;
-use crate::scene::{ColorSpace, Texture, Wrap};
+use crate::geometry::{ColorSpace, Texture, Wrap};
 
 /// What a texture was made from: uses that agree share the texture.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

@@ -9,12 +9,12 @@ use glam::{DAffine3, DVec3};
 
 use super::shapes::Shape;
 use super::surface::{self, RawMesh};
-use super::transform::affine;
+use super::transform::initial;
 use super::{Importer, limit};
 use crate::description::geometry::MeshGeometry;
 use crate::description::{GeometryDescription, MaterialDescription};
 use crate::error::SceneError;
-use crate::scene::{ColorSpace, Material, TextureRef};
+use crate::geometry::{ColorSpace, Material, TextureRef};
 
 /// Farthest vertex from the anchor of its mesh. Unit: m.
 const REACH: f64 = 1000.0;
@@ -45,7 +45,7 @@ impl Inline {
         path: &str,
         entry: &GeometryDescription,
     ) -> Result<(), SceneError> {
-        let placed = affine(entry.transform());
+        let placed = initial(entry.transform(), entry.keyframes());
         let Some(description) = entry.material() else {
             return Ok(());
         };
@@ -59,6 +59,9 @@ impl Inline {
             }
             GeometryDescription::Gltf(_) | GeometryDescription::Obj(_) => return Ok(()),
         };
+        if !entry.keyframes().is_empty() {
+            return alone(importer, path, material, &shape, placed);
+        }
         self.collect(importer, path, material, &shape.placed(&placed))
     }
 
@@ -91,24 +94,14 @@ impl Inline {
         let Some(Batch { anchor, raw, .. }) = self.open.get_mut(&material) else {
             return Ok(());
         };
-        let start = raw.positions.len();
-        let vertices = (start + shape.positions.len()) as u64;
+        let vertices = (raw.positions.len() + shape.positions.len()) as u64;
         limit(
             path,
             "the number of vertices",
             vertices,
             importer.limits.vertices,
         )?;
-        let narrow = |v: DVec3| v.as_vec3().to_array();
-        raw.positions
-            .extend(shape.positions.iter().map(|p| narrow(*p - *anchor)));
-        if let Some(normals) = &mut raw.normals {
-            let unit = |n: &DVec3| narrow(*n / n.length());
-            normals.extend(shape.normals.iter().map(unit));
-        }
-        raw.texcoords[0].extend(shape.texcoords.iter().map(|uv| uv.as_vec2().to_array()));
-        let indices = shape.indices.iter().flatten();
-        raw.indices.extend(indices.map(|i| start as u32 + i));
+        append(raw, *anchor, shape);
         Ok(())
     }
 
@@ -165,6 +158,43 @@ impl Inline {
         }
         Ok(())
     }
+}
+
+/// Adds a shape's triangles, its vertices relative to `anchor`.
+fn append(raw: &mut RawMesh, anchor: DVec3, shape: &Shape) {
+    let start = raw.positions.len();
+    let narrow = |v: DVec3| v.as_vec3().to_array();
+    raw.positions
+        .extend(shape.positions.iter().map(|p| narrow(*p - anchor)));
+    if let Some(normals) = &mut raw.normals {
+        let unit = |n: &DVec3| narrow(*n / n.length());
+        normals.extend(shape.normals.iter().map(unit));
+    }
+    raw.texcoords[0].extend(shape.texcoords.iter().map(|uv| uv.as_vec2().to_array()));
+    let indices = shape.indices.iter().flatten();
+    raw.indices.extend(indices.map(|i| start as u32 + i));
+}
+
+/// A shape that moves: a mesh of its own, with a placement of its own.
+fn alone(
+    importer: &mut Importer,
+    path: &str,
+    material: usize,
+    shape: &Shape,
+    placed: DAffine3,
+) -> Result<(), SceneError> {
+    let Some(anchor) = shape.positions.first().copied() else {
+        return Ok(());
+    };
+    let mut raw = RawMesh {
+        name: importer.geometry.materials[material].name.clone(),
+        material,
+        normals: Some(Vec::new()),
+        ..RawMesh::default()
+    };
+    append(&mut raw, anchor, shape);
+    let placed = placed * DAffine3::from_translation(anchor);
+    importer.add_raw(path, "", raw, &[placed])
 }
 
 /// Texture coordinates as they are.

@@ -3,13 +3,14 @@
 
 use glam::{DAffine3, DVec3};
 
-use crate::scene::{Geometry, Mesh};
+use super::Draft;
+use crate::geometry::Mesh;
 
 /// Reflection at the plane x = 0; its own inverse.
 const MIRROR: DVec3 = DVec3::new(-1.0, 1.0, 1.0);
 
 /// Gives every instance a positive determinant.
-pub(super) fn unmirror(geometry: &mut Geometry) {
+pub(super) fn unmirror(geometry: &mut Draft) {
     let is_mirrored = |map: &DAffine3| map.matrix3.determinant() < 0.0;
     let mut used_as_is = vec![false; geometry.meshes.len()];
     for instance in &geometry.instances {

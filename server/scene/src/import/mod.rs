@@ -1,6 +1,7 @@
 //! Geometry of a description: model files, inline meshes and primitives, all through one set of
 //! limits and one cleaning step.
 
+mod animated;
 mod assets;
 mod environment;
 mod gltf;
@@ -13,14 +14,15 @@ mod surface;
 mod transform;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::DAffine3;
 
 use crate::description::{CameraDescription, GeometryDescription, LightDescription};
 use crate::error::SceneError;
 use crate::files::Folder;
+use crate::geometry::{Geometry, Instance, Material, Mesh, Surfaces, Texture};
 use crate::limits::Limits;
-use crate::scene::{Geometry, Instance, Mesh};
 
 pub(crate) use assets::Assets;
 pub(crate) use transform::is_invertible;
@@ -45,23 +47,43 @@ pub(crate) fn geometry(
 ) -> Result<Imported, SceneError> {
     let mut importer = Importer::new(folder, limits);
     let mut inline = inline::Inline::default();
+    let mut moving = Vec::new();
     for (i, entry) in entries.iter().enumerate() {
         let path = format!("geometry[{i}]");
+        let (instances, lights) = (importer.geometry.instances.len(), importer.lights.len());
         match entry {
             GeometryDescription::Gltf(entry) => gltf::import(&mut importer, i, entry)?,
             GeometryDescription::Obj(entry) => obj::import(&mut importer, &path, entry)?,
             _ => inline.add(&mut importer, &path, entry)?,
         }
+        if !entry.keyframes().is_empty() {
+            let placed = instances..importer.geometry.instances.len();
+            moving.extend(animated::Moving::new(&path, entry.keyframes(), placed)?);
+            if importer.lights.len() > lights {
+                importer.warn(format!(
+                    "{path}: the lights of the file stay where they are at time 0"
+                ));
+            }
+        }
     }
     inline.finish(&mut importer)?;
-    Ok(importer.finish())
+    importer.finish(moving)
+}
+
+/// What has been read so far.
+#[derive(Debug, Default)]
+struct Draft {
+    meshes: Vec<Mesh>,
+    instances: Vec<Instance>,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
 }
 
 /// Geometry under construction.
 struct Importer<'a> {
     folder: &'a Folder<'a>,
     limits: &'a Limits,
-    geometry: Geometry,
+    geometry: Draft,
     lights: Vec<(usize, LightDescription)>,
     camera: Option<CameraDescription>,
     warnings: Vec<String>,
@@ -79,7 +101,7 @@ impl<'a> Importer<'a> {
         Self {
             folder,
             limits,
-            geometry: Geometry::default(),
+            geometry: Draft::default(),
             lights: Vec::new(),
             camera: None,
             warnings: Vec::new(),
@@ -161,14 +183,29 @@ impl<'a> Importer<'a> {
         limit(path, "the number of lights", lights, self.limits.lights)
     }
 
-    fn finish(mut self) -> Imported {
+    fn finish(mut self, moving: Vec<animated::Moving>) -> Result<Imported, SceneError> {
         mirror::unmirror(&mut self.geometry);
-        Imported {
-            geometry: self.geometry,
+        let Draft {
+            meshes,
+            instances,
+            materials,
+            textures,
+        } = self.geometry;
+        let surfaces = Surfaces::new(meshes, materials, textures);
+        let tracks = moving
+            .into_iter()
+            .map(|moving| moving.track(&surfaces, &instances))
+            .collect::<Result<_, _>>()?;
+        Ok(Imported {
+            geometry: Geometry {
+                surfaces: Arc::new(surfaces),
+                instances,
+                tracks: Arc::new(tracks),
+            },
             lights: self.lights,
             camera: self.camera,
             warnings: self.warnings,
-        }
+        })
     }
 }
 

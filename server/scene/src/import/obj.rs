@@ -9,14 +9,14 @@ use std::io::Cursor;
 use std::path::Path;
 
 use super::surface::RawMesh;
-use super::transform::affine;
+use super::transform::initial;
 use super::{Importer, limit};
 use crate::description::geometry::ObjGeometry;
 use crate::description::parse::abbreviate;
 use crate::error::SceneError;
 use crate::files::why_not_relative;
+use crate::geometry::{ColorSpace, Material, TextureRef};
 use crate::import::inline::IDENTITY_UV;
-use crate::scene::{ColorSpace, Material, TextureRef};
 
 /// Largest index; more elements would not fit the limits of any scene.
 const LARGEST_INDEX: u64 = 1 << 31;
@@ -75,7 +75,7 @@ pub(super) fn import(
         importer.geometry.materials.push(material);
         indices.push(importer.geometry.materials.len() - 1);
     }
-    let placed = [affine(entry.transform.as_ref())];
+    let placed = [initial(entry.transform.as_ref(), &entry.keyframes)];
     let mut plain = None;
     for model in models {
         let material = model

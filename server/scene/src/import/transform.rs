@@ -2,21 +2,32 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 
+use crate::animation::Placement;
 use crate::description::Transform;
+use crate::description::geometry::TransformKeyframe;
 
 /// Scale, then rotation about the fixed axes x, y, z in this order, then translation.
 pub(super) fn affine(transform: Option<&Transform>) -> DAffine3 {
-    let Some(transform) = transform else {
-        return DAffine3::IDENTITY;
-    };
+    transform.map_or(DAffine3::IDENTITY, |transform| {
+        placement(transform).affine()
+    })
+}
+
+/// Where an entry of `geometry` stands at time 0.
+pub(super) fn initial(transform: Option<&Transform>, keyframes: &[TransformKeyframe]) -> DAffine3 {
+    let first = keyframes.first().map(|key| &key.transform);
+    affine(first.or(transform))
+}
+
+/// A transform with its rotation as a quaternion.
+pub(super) fn placement(transform: &Transform) -> Placement {
     let [x, y, z] = transform.rotation_degrees.map(f64::to_radians);
-    // Fixed axes x, y, z are the moving axes z, y, x.
-    let rotation = DQuat::from_euler(EulerRot::ZYX, z, y, x);
-    DAffine3::from_scale_rotation_translation(
-        DVec3::from_array(transform.scale.0),
-        rotation,
-        DVec3::from_array(transform.translation),
-    )
+    Placement {
+        translation: DVec3::from_array(transform.translation),
+        // Fixed axes x, y, z are the moving axes z, y, x.
+        rotation: DQuat::from_euler(EulerRot::ZYX, z, y, x),
+        scale: DVec3::from_array(transform.scale.0),
+    }
 }
 
 /// Whether a map is finite and its determinant is not lost in rounding.

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::description::camera::up;
-use crate::description::geometry::{BoxGeometry, MeshGeometry, QuadGeometry, SphereGeometry};
+use crate::description::geometry::{
+    BoxGeometry, MeshGeometry, QuadGeometry, SphereGeometry, TransformKeyframe,
+};
 use crate::description::lights::{
     DirectionalLightDescription, EnvironmentDescription, PointLightDescription,
     SpotLightDescription,
@@ -120,6 +122,17 @@ impl Builder {
         }));
     }
 
+    /// Lets the last entry move.
+    pub(super) fn moves(&mut self, keyframes: Vec<TransformKeyframe>) {
+        match self.geometry.last_mut() {
+            Some(GeometryDescription::Box(entry)) => entry.keyframes = keyframes,
+            Some(GeometryDescription::Sphere(entry)) => entry.keyframes = keyframes,
+            Some(GeometryDescription::Mesh(entry)) => entry.keyframes = keyframes,
+            Some(GeometryDescription::Quad(entry)) => entry.keyframes = keyframes,
+            _ => {}
+        }
+    }
+
     /// The scene with this geometry.
     pub(super) fn scene(
         self,
@@ -136,6 +149,7 @@ impl Builder {
             lights,
             media,
             render: RenderDescription::default(),
+            animation: None,
         }
     }
 }
@@ -250,6 +264,7 @@ pub(super) fn sun(direction: [f64; 3], irradiance: [f64; 3]) -> LightDescription
         direction,
         irradiance: Rgb(irradiance),
         casts_shadows: true,
+        keyframes: Vec::new(),
     })
 }
 
@@ -271,6 +286,7 @@ pub(super) fn point(name: &str, position: [f64; 3], intensity: [f64; 3]) -> Ligh
         intensity: Rgb(intensity),
         radius: 0.05,
         casts_shadows: true,
+        keyframes: Vec::new(),
     })
 }
 
@@ -291,6 +307,7 @@ pub(super) fn spot(
         outer_angle_degrees,
         radius: 0.05,
         casts_shadows: true,
+        keyframes: Vec::new(),
     })
 }
 

@@ -10,6 +10,7 @@ mod fogged_hall;
 mod light_shafts;
 mod smoke_plume;
 mod street_night;
+mod swinging_lamp;
 
 use crate::description::SceneDescription;
 
@@ -50,6 +51,12 @@ const PRESETS: &[PresetInfo] = &[
         summary: "Street lamps and lit windows in fog that thins out with height.",
     },
     PresetInfo {
+        name: "swinging_lamp",
+        title: "Swinging lamp",
+        summary: "A lamp swings through a foggy workshop, a fan turns, a crate slides by: only \
+                  shadow maps that see a motion are rendered again.",
+    },
+    PresetInfo {
         name: "smoke_plume",
         title: "Smoke plume",
         summary: "Smoke rolls out of a chimney into a low sun: a voxel grid made from noise.",
@@ -74,6 +81,7 @@ pub fn description(name: &str) -> Option<SceneDescription> {
         // A test parses it: it is always there.
         "cornell_fog" => SceneDescription::from_json(include_str!("cornell_fog.json")).ok(),
         "street_night" => Some(street_night::description()),
+        "swinging_lamp" => Some(swinging_lamp::description()),
         "smoke_plume" => Some(smoke_plume::description()),
         "cloud" => Some(cloud::description()),
         _ => None,

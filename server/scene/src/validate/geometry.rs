@@ -30,7 +30,20 @@ pub(super) fn check(
     )?;
     for (i, keyframe) in entry.keyframes().iter().enumerate() {
         let path = keyframes.index(i);
-        rules::transform(&path.field("transform"), &keyframe.transform)?;
+        let transform = path.field("transform");
+        rules::transform(&transform, &keyframe.transform)?;
+        // On its way through zero a factor would flatten what it scales.
+        let before = i.checked_sub(1).map(|i| &entry.keyframes()[i].transform);
+        for axis in 0..3 {
+            let factor = keyframe.transform.scale.0[axis];
+            if before.is_some_and(|before| before.scale.0[axis] * factor < 0.0) {
+                return Err(SceneError::invalid(
+                    transform.field("scale").index(axis),
+                    rules::found(factor),
+                    "a factor of the sign that it has in the keyframe before",
+                ));
+            }
+        }
     }
     if let Some(surface) = entry.material() {
         material(surface, &path.field("material"))?;

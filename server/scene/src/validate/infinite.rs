@@ -23,7 +23,13 @@ pub(crate) fn light_can_arrive(
     if light.irradiance == Rgb::grey(0.0) {
         return Ok(());
     }
-    let travels = DVec3::from_array(light.direction);
+    // What falls onto the fog at two keyframes does so on the shortest arc between them.
+    let travels: Vec<DVec3> = if light.keyframes.is_empty() {
+        vec![DVec3::from_array(light.direction)]
+    } else {
+        let keys = light.keyframes.iter();
+        keys.map(|key| DVec3::from_array(key.direction)).collect()
+    };
     for (i, medium) in media.iter().enumerate() {
         if is_vacuum(medium) {
             continue;
@@ -34,8 +40,8 @@ pub(crate) fn light_can_arrive(
             }
             MediumDescription::HeightFog(fog) if fog.bounds.is_none() => {
                 let up = DVec3::from_array(fog.up);
-                let sine = -travels.dot(up) / (travels.length() * up.length());
-                if fog.falloff > 0.0 && sine >= LEAST_SINE {
+                let sine = |travels: &DVec3| -travels.dot(up) / (travels.length() * up.length());
+                if fog.falloff > 0.0 && travels.iter().all(|t| sine(t) >= LEAST_SINE) {
                     continue;
                 }
                 (

@@ -18,7 +18,10 @@ pub(super) fn check(light: &LightDescription, path: &JsonPath) -> Result<(), Sce
             rules::optional_name(path, light.name.as_deref())?;
             rules::position(&path.field("position"), &light.position)?;
             intensity(path, &light.intensity)?;
-            radius(path, light.radius)
+            radius(path, light.radius)?;
+            let path = path.field("keyframes");
+            rules::times(&path, light.keyframes.iter().map(|key| key.time_seconds))?;
+            positions(&path, light.keyframes.iter().map(|key| &key.position))
         }
         LightDescription::Spot(light) => {
             rules::optional_name(path, light.name.as_deref())?;
@@ -33,13 +36,20 @@ pub(super) fn check(light: &LightDescription, path: &JsonPath) -> Result<(), Sce
                 0.0,
                 outer - PENUMBRA,
             )?;
-            radius(path, light.radius)
+            radius(path, light.radius)?;
+            let path = path.field("keyframes");
+            rules::times(&path, light.keyframes.iter().map(|key| key.time_seconds))?;
+            positions(&path, light.keyframes.iter().map(|key| &key.position))?;
+            rules::directions(&path, light.keyframes.iter().map(|key| &key.direction))
         }
         LightDescription::Directional(light) => {
             rules::optional_name(path, light.name.as_deref())?;
             rules::direction(&path.field("direction"), &light.direction)?;
-            let path = path.field("irradiance");
-            rules::rgb(&path, &light.irradiance, 0.0, rules::RADIANCE)
+            let irradiance = path.field("irradiance");
+            rules::rgb(&irradiance, &light.irradiance, 0.0, rules::RADIANCE)?;
+            let path = path.field("keyframes");
+            rules::times(&path, light.keyframes.iter().map(|key| key.time_seconds))?;
+            rules::directions(&path, light.keyframes.iter().map(|key| &key.direction))
         }
         LightDescription::Environment(light) => {
             rules::optional_name(path, light.name.as_deref())?;
@@ -57,6 +67,17 @@ pub(super) fn check(light: &LightDescription, path: &JsonPath) -> Result<(), Sce
             }
         }
     }
+}
+
+/// Positions of keyframes.
+fn positions<'a>(
+    path: &JsonPath,
+    positions: impl Iterator<Item = &'a [f64; 3]>,
+) -> Result<(), SceneError> {
+    for (i, position) in positions.enumerate() {
+        rules::position(&path.index(i).field("position"), position)?;
+    }
+    Ok(())
 }
 
 fn intensity(path: &JsonPath, value: &Rgb) -> Result<(), SceneError> {

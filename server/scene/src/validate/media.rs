@@ -92,7 +92,7 @@ pub(crate) fn placed_grid(
     grid: &Grid,
     world_from_lattice: &DAffine3,
 ) -> Result<(), SceneError> {
-    let corners = crate::facts::box_corners(grid.clip[0], grid.clip[1])
+    let corners = crate::hull::box_corners(grid.clip[0], grid.clip[1])
         .map(|corner| world_from_lattice.transform_point3(corner));
     let near = |corner: &DVec3| corner.abs().max_element() <= rules::COORDINATE;
     if !is_invertible(world_from_lattice) || !corners.iter().all(near) {

@@ -29,6 +29,11 @@ pub(crate) fn description(scene: &SceneDescription, limits: &Limits) -> Result<(
     Ok(())
 }
 
+/// Checks a time that a scene shall be shown at. Unit: s.
+pub(crate) fn check_time(member: &str, seconds: f64) -> Result<(), SceneError> {
+    rules::range(&JsonPath::Root.field(member), seconds, 0.0, rules::LATEST)
+}
+
 /// Checks everything that an edit can change.
 pub(crate) fn all_but_geometry(
     scene: &SceneDescription,
@@ -59,6 +64,11 @@ pub(crate) fn all_but_geometry(
     }
     for (i, light) in scene.lights.iter().enumerate() {
         light_can_arrive(light, &format!("lights[{i}]"), &scene.media)?;
+    }
+    let path = root.field("animation");
+    let period = scene.animation.as_ref().and_then(|a| a.period_seconds);
+    if let Some(period) = period {
+        rules::range(&path.field("period_seconds"), period, 1e-3, rules::LATEST)?;
     }
     render::check(&scene.render, &root.field("render"))
 }

@@ -16,7 +16,7 @@ const NAME: usize = 200;
 /// Largest emitted radiance, irradiance and emission of a medium, in their units.
 pub(super) const RADIANCE: f64 = 1e9;
 /// Latest keyframe. Unit: s.
-const LATEST: f64 = 1e6;
+pub(super) const LATEST: f64 = 1e6;
 /// Largest angle of a rotation. Unit: degree.
 const ROTATION: f64 = 36_000.0;
 
@@ -170,6 +170,31 @@ pub(super) fn transform(path: &JsonPath, transform: &Transform) -> Checked {
                 "a factor of magnitude 1e−6 to 1e6",
             ));
         }
+    }
+    Ok(())
+}
+
+/// Directions that a light turns through: between opposite ones no arc is the shortest.
+pub(super) fn directions<'a>(
+    path: &JsonPath,
+    directions: impl Iterator<Item = &'a [f64; 3]>,
+) -> Checked {
+    let mut before: Option<glam::DVec3> = None;
+    for (i, found) in directions.enumerate() {
+        let keyframe = path.index(i);
+        let path = keyframe.field("direction");
+        direction(&path, found)?;
+        let vector = glam::DVec3::from_array(*found);
+        let unit = vector / vector.length();
+        if before.is_some_and(|before| before.dot(unit) < 0.0 && before.cross(unit).length() < 1e-3)
+        {
+            return Err(SceneError::invalid(
+                path,
+                list(found),
+                "a direction that is not opposite to that of the keyframe before",
+            ));
+        }
+        before = Some(unit);
     }
     Ok(())
 }

@@ -163,6 +163,7 @@ impl Backend for Fake {
             pass_times: Vec::new(),
             render_micros: 2000,
             units: 0,
+            shadow_layers: 0,
         };
         view.finished.push_back((ready, frame));
         Ok(RenderOutcome::Submitted)

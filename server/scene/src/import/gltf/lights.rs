@@ -61,12 +61,14 @@ pub(super) fn convert(
             intensity: power,
             radius: RADIUS,
             casts_shadows: true,
+            keyframes: Vec::new(),
         }),
         Type::Directional => LightDescription::Directional(DirectionalLightDescription {
             name,
             direction: direction.to_array(),
             irradiance: power,
             casts_shadows: true,
+            keyframes: Vec::new(),
         }),
         Type::Spot => {
             let spot = light.spot.clone().unwrap_or_default();
@@ -95,6 +97,7 @@ pub(super) fn convert(
                 outer_angle_degrees,
                 radius: RADIUS,
                 casts_shadows: true,
+                keyframes: Vec::new(),
             })
         }
     }))

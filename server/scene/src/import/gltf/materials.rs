@@ -8,10 +8,10 @@ use gltf::json::validation::Checked;
 
 use super::{Document, uri};
 use crate::error::SceneError;
+use crate::geometry::{ColorSpace, Material, TextureRef, Wrap};
 use crate::import::Importer;
 use crate::import::images::{Image, Source};
 use crate::import::inline::IDENTITY_UV;
-use crate::scene::{ColorSpace, Material, TextureRef, Wrap};
 
 /// Alpha below this is a hole in a blended material.
 const BLEND_CUTOFF: f32 = 0.5;

@@ -15,7 +15,7 @@ mod uri;
 use gltf::json::Root;
 
 use super::Importer;
-use super::transform::affine;
+use super::transform::initial;
 use crate::description::geometry::GltfGeometry;
 use crate::error::SceneError;
 use buffers::Buffers;
@@ -52,7 +52,10 @@ pub(super) fn import(
     };
     note_left_out(importer, &document);
     let mut walk = nodes::Walk::new(&document, entry, index);
-    walk.run(importer, affine(entry.transform.as_ref()))
+    walk.run(
+        importer,
+        initial(entry.transform.as_ref(), &entry.keyframes),
+    )
 }
 
 /// A file and the JSON path that names it.
