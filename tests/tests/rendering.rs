@@ -407,7 +407,8 @@ fn a_material_with_only_a_normal_map_is_rendered_and_the_map_is_mentioned() {
     let mut renderer = gpu::renderer();
     let mut scene = small_preset("cornell_fog", 24, 16, 1);
     let mut geometry = (*scene.geometry.0).clone();
-    geometry.textures.push(tyndall_scene::Texture {
+    let surfaces = Arc::make_mut(&mut geometry.surfaces);
+    surfaces.textures.push(tyndall_scene::Texture {
         name: "bumps".into(),
         width: 1,
         height: 1,
@@ -415,7 +416,7 @@ fn a_material_with_only_a_normal_map_is_rendered_and_the_map_is_mentioned() {
         color_space: tyndall_scene::ColorSpace::Linear,
         wrap: [tyndall_scene::Wrap::Repeat; 2],
     });
-    geometry.materials[0].normal_texture = Some(tyndall_scene::TextureRef {
+    surfaces.materials[0].normal_texture = Some(tyndall_scene::TextureRef {
         texture: 0,
         texcoord_set: 0,
         uv_transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],

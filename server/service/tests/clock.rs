@@ -22,8 +22,8 @@ fn moving(period: f64) -> Loaded {
         "render": {"width": 96, "height": 64, "samples": 2},
         "animation": {"period_seconds": period},
     });
-    let description = SceneDescription::from_json(&text.to_string()).unwrap();
-    build(description, None).unwrap()
+    let description = SceneDescription::from_json(&text.to_string()).expect("the scene parses");
+    build(description, None).expect("the scene is valid")
 }
 
 fn edit(input: u64, edit: &Value) -> Value {

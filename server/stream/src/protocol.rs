@@ -22,6 +22,10 @@ pub const PROTOCOL_VERSION: u32 = 1;
 /// What a client says.
 #[derive(Debug, Clone, PartialEq, Serialize, TS)]
 #[serde(tag = "type", rename_all = "snake_case")]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "a client's messages are taken one at a time and never kept"
+)]
 pub enum ClientMessage {
     /// The first message.
     Hello(Hello),
