@@ -225,7 +225,7 @@ fn an_emissive_panel_agrees_with_the_path_tracer_in_a_grid() {
     let inside = scene(&panel(), &none, &json!([smoke(0.5)]));
     agrees("panel in smoke", gpu::scene(&inside), 16, 1024);
     let both = scene(&panel(), &none, &json!([fog(-0.5), smoke(0.0)]));
-    agrees("panel in smoke and fog", gpu::scene(&both), 64, 4096);
+    agrees("panel in smoke and fog", gpu::scene(&both), 16, 1024);
 }
 
 /// A map with a bright spot low in the sky, dim below.
@@ -265,7 +265,7 @@ fn skies_agree_with_the_path_tracer() {
             map: Some(map()),
             rotation: 0.6,
         });
-        agrees(&format!("map, {name}"), mapped, 32, 2048);
+        agrees(&format!("map, {name}"), mapped, 16, 1024);
     }
 }
 

@@ -212,7 +212,8 @@ fn compare_measures_two_pictures_and_writes_their_errors() {
     assert!(output.status.success(), "{}", stderr(&output));
     let measures: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let error = measures["relative_rmse"].as_f64().expect("a number");
-    assert!(error > 0.0 && error < 1.0, "{error}");
+    // Two pictures of a few samples, whose area light is mostly noise.
+    assert!(error > 0.0 && error < 3.0, "{error}");
     assert!(measures["block_z"].is_null(), "no variance is known");
     assert!(measures["hdr_flip"].as_f64().is_some_and(|flip| flip > 0.0));
     assert!(Path::new(&file("error.png")).exists());

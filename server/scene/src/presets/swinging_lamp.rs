@@ -185,7 +185,7 @@ pub(super) fn description() -> SceneDescription {
         max: [x, y, z + 3.0],
     };
     let media = vec![fog(0.11, [0.95, 0.95, 0.95], 0.35, inside)];
-    let camera = camera([0.0, 1.9, 5.6], [0.05, 1.75, -1.0], 52.0, 0.6);
+    let camera = camera([0.0, 1.9, 5.6], [0.05, 1.75, -1.0], 52.0, 1.2);
     let mut scene = scene.scene("Swinging lamp", camera, lights, media);
     scene.animation = Some(AnimationDescription {
         period_seconds: Some(PERIOD),

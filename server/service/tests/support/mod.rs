@@ -7,6 +7,11 @@
     reason = "helpers of tests"
 )]
 
+mod box_in_fog;
+
+#[allow(unused_imports, reason = "each test file uses its part")]
+pub use box_in_fog::scene;
+
 use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -25,7 +30,7 @@ use tokio_tungstenite::tungstenite::{Error, Message};
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 use tokio_util::sync::CancellationToken;
 use tyndall_render::{FinishedFrame, FrameStats, RenderError, RenderOutcome};
-use tyndall_scene::{Loaded, Scene, SceneDescription, StopRule, build};
+use tyndall_scene::{Loaded, Scene, StopRule};
 use tyndall_service::backend::{Backend, OpenBackend};
 use tyndall_service::{ServeError, ServeOptions, serve, serve_on};
 use tyndall_stream::header::FrameHeader;
@@ -204,26 +209,6 @@ impl Backend for Fake {
     fn is_converged(&self, view: &FakeView) -> bool {
         view.samples >= view.target()
     }
-}
-
-/// A box in fog that is finished after `samples` samples.
-pub fn scene(samples: u32) -> Loaded {
-    let text = json!({
-        "version": 1,
-        "name": "test",
-        "camera": {"position": [0, 0, 5], "target": [0, 0, 0]},
-        "geometry": [{"kind": "box", "min": [-1, -1, -1], "max": [1, 1, 1]}],
-        "lights": [{"kind": "point", "position": [0, 3, 3], "intensity": 50}],
-        "media": [{"kind": "homogeneous", "sigma_s": 0.05, "sigma_a": 0.01}],
-        "render": {"width": 96, "height": 64, "samples": samples,
-            "single_scattering": {"steps": 4, "jitter": true},
-            "shadows": {"mode": "mapped", "resolution": 64}},
-    });
-    build(
-        SceneDescription::from_json(&text.to_string()).unwrap(),
-        None,
-    )
-    .unwrap()
 }
 
 /// A running service.
