@@ -147,31 +147,3 @@ fn depth_of(bvh: &CwBvh) -> usize {
     }
     deepest
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    #[test]
-    fn tmp_time() {
-        let mut json = String::from(
-            "{\"version\":1,\"camera\":{\"position\":[0,0,9],\"target\":[0,0,0]},\"geometry\":[",
-        );
-        for i in 0..104 {
-            json += &format!(
-                "{}{{\"kind\":\"sphere\",\"center\":[{},{},{}],\"radius\":0.4}}",
-                if i > 0 { "," } else { "" },
-                i % 5,
-                (i / 5) % 5,
-                i / 25
-            );
-        }
-        json += "]}";
-        let d = tyndall_scene::SceneDescription::from_json(&json).unwrap();
-        let s = tyndall_scene::build(d, None).unwrap().scene;
-        for _ in 0..5 {
-            let t = std::time::Instant::now();
-            let p = bvh_parts(&s.geometry, DVec3::ZERO).unwrap();
-            println!("TIME {} tris {:?}", p.order.len(), t.elapsed());
-        }
-    }
-}
