@@ -87,22 +87,18 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Dispatches as many groups as the first three words of `list` say; they are copied to `counts`,
-    /// since a buffer that a shader reads may not say how often it runs.
+    /// Dispatches as many groups as the first three words of `counts` say.
     pub fn compute_indirect(
         &mut self,
         name: &'static str,
         variant: &str,
         bindings: &Bindings<'_>,
         counts: &wgpu::Buffer,
-        list: &wgpu::Buffer,
     ) -> Result<(), RenderError> {
         let program = self
             .programs
             .compute(self.device, variant, self.constants)?;
         let groups = program.bind(self.device, bindings)?;
-        self.encoder
-            .copy_buffer_to_buffer(list, 0, counts, 0, Some(12));
         let mut pass = self.compute_pass(name);
         program.set(&mut pass, &groups);
         pass.dispatch_workgroups_indirect(counts, 0);

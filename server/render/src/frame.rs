@@ -37,7 +37,7 @@ pub(crate) fn record(
         let (targets, variant) = (parts.targets, planned.variant.as_str());
         match planned.pass {
             PassKind::LightVolume => {
-                if let Some(volume) = parts.light_volume.filter(|_| parts.fill_volume) {
+                if let Some(volume) = parts.light_volume {
                     volume.record(recording, &bindings)?;
                 }
             }

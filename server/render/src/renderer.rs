@@ -16,7 +16,6 @@ use crate::programs::{Constants, Programs};
 use crate::readback::{FrameMeta, statistics_scale, wait};
 use crate::self_test::SelfTest;
 use crate::supported::check_supported;
-use crate::techniques::single_scattering::LightVolume;
 use crate::view::{View, ViewParts};
 
 /// Renders views on one device. Single-threaded: one thread owns it.
@@ -185,10 +184,6 @@ impl Renderer {
             targets: &view.targets,
             inputs: &view.inputs,
             shadows: &mut view.shadows,
-            fill_volume: view
-                .light_volume
-                .as_mut()
-                .is_some_and(LightVolume::take_stale),
             light_volume: view.light_volume.as_ref(),
         };
         frame::record(&mut recording, &view.plan, &mut parts, work, slice)?;

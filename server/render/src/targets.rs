@@ -53,8 +53,6 @@ pub(crate) struct InterleavedTargets {
     pub gathered_rows: wgpu::TextureView,
     /// See `techniques/single_scattering/pixel_list.wesl`.
     pub rejected_pixels: wgpu::Buffer,
-    /// Its counts of groups.
-    pub dispatched_pixels: wgpu::Buffer,
     /// An empty list's first words.
     empty_list: wgpu::Buffer,
 }
@@ -70,17 +68,12 @@ impl InterleavedTargets {
             })
         };
         let copied = wgpu::BufferUsages::COPY_DST;
-        let listed = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let listed = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT;
         let none: [u32; 4] = [0, 1, 1, 0];
         Self {
             marched_radiance: texture("marched_radiance"),
             gathered_rows: texture("gathered_rows"),
             rejected_pixels: buffer("rejected_pixels", 16 + 4 * pixels, listed | copied),
-            dispatched_pixels: buffer(
-                "dispatched_pixels",
-                12,
-                wgpu::BufferUsages::INDIRECT | copied,
-            ),
             empty_list: wgpu::util::DeviceExt::create_buffer_init(
                 &device.device,
                 &wgpu::util::BufferInitDescriptor {

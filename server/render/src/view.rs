@@ -45,8 +45,6 @@ pub(crate) struct ViewParts<'a> {
     pub inputs: &'a Inputs,
     pub shadows: &'a mut ShadowMaps,
     pub light_volume: Option<&'a LightVolume>,
-    /// Whether the light volume has to be filled.
-    pub fill_volume: bool,
 }
 
 impl ViewParts<'_> {

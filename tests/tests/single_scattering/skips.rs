@@ -123,8 +123,8 @@ fn what_only_absorbs_is_not_marched() {
 }
 
 #[test]
-fn a_spot_is_marched_inside_its_cone_only_and_looks_like_a_masked_lamp() {
-    // In the cone's middle its light is a lamp's; strata that lie in the cone converge sooner.
+fn a_spot_is_marched_inside_its_cone_only() {
+    // Strata that lie in the cone converge sooner.
     let spot = |steps: u32| {
         let lights = json!([{ "kind": "spot", "position": [0, 3, -1], "direction": [0, -1, 0], "intensity": 40,
             "inner_angle_degrees": 4, "outer_angle_degrees": 6, "casts_shadows": false }]);
@@ -138,7 +138,7 @@ fn a_spot_is_marched_inside_its_cone_only_and_looks_like_a_masked_lamp() {
 }
 
 #[test]
-fn grids_alone_fill_a_light_volume() {
+fn without_grids_no_light_volume_is_filled() {
     let plain = scene(&fog(0.0), &lamp(true), true, 16);
     assert!(skips(&plain, PassKind::LightVolume, ""));
 }

@@ -3,8 +3,8 @@
 //!
 //! Another placement gets another BVH rather than a refitted one: it costs one build a frame in which
 //! something moved (0.29 s for 100,000 triangles, measured on one core of a busy machine in the
-//! development profile), keeps traversal as fast as for a still scene, and the same placement always gives the same bits. Passes that trace no rays pay
-//! nothing of it.
+//! development profile), keeps traversal as fast as for a still scene, and the same placement always
+//! gives the same bits. Passes that trace no rays pay nothing of it.
 
 use std::sync::OnceLock;
 

@@ -73,6 +73,11 @@ impl March {
         };
         let media = facts.media;
         let mut why = format!("{steps} {kind} a ray, {lights} lights, {media} media");
+        if settings.single_scattering.equiangular && facts.grids > 0 {
+            why = format!(
+                "{why}; none equiangular beside density grids, whose depth is summed up in order"
+            );
+        }
         if self.quadrature {
             why = format!(
                 "{why}; nothing along a ray is in shadow or varies: {wanted} strata are not needed"

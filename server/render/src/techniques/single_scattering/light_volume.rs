@@ -1,8 +1,10 @@
 //! The light volume: optical depth of the density grids toward each light, at the samples of a box
-//! around all grids. Built again only when lights, media or the grids' places change.
+//! around all grids. Built again only when a light or a grid moves, or a grid's extinction changes.
 
-use glam::{DVec3, UVec3};
-use tyndall_scene::{Light, Medium, MediumShape, Scene};
+use std::cell::Cell;
+
+use glam::{DAffine3, DVec3, UVec3, Vec3};
+use tyndall_scene::{Light, Medium, MediumShape, Scene, SharedGrid};
 use tyndall_shaders::types;
 
 use crate::device::Device;
@@ -18,11 +20,20 @@ const MAX_BYTES: u64 = 256 << 20;
 /// Four half floats.
 const TEXEL_BYTES: u64 = 8;
 
-/// What a volume was built for.
+/// What a volume's depths depend on: no intensity, no phase function, no camera.
 #[derive(Debug, PartialEq)]
 struct Key {
-    lights: Vec<Light>,
-    media: Vec<Medium>,
+    lights: Vec<Sight>,
+    grids: Vec<(SharedGrid, DAffine3, [f32; 3])>,
+}
+
+/// Where a light is looked for.
+#[derive(Debug, PartialEq)]
+enum Sight {
+    /// Unit: m.
+    At(DVec3),
+    /// Unit, along propagation.
+    Along(Vec3),
 }
 
 /// The light volume of one view.
@@ -36,7 +47,7 @@ pub(crate) struct LightVolume {
     values: wgpu::Buffer,
     depths: wgpu::TextureView,
     sampler: wgpu::Sampler,
-    current: bool,
+    current: Cell<bool>,
 }
 
 impl LightVolume {
@@ -89,7 +100,7 @@ impl LightVolume {
                 min_filter: wgpu::FilterMode::Linear,
                 ..Default::default()
             }),
-            current: scene.lights.is_empty(),
+            current: Cell::new(scene.lights.is_empty()),
         }))
     }
 
@@ -121,26 +132,41 @@ impl LightVolume {
             .sampler("light_depth_sampler", &self.sampler);
     }
 
-    /// Whether the next frame has to fill it; from then on it counts as filled.
-    pub fn take_stale(&mut self) -> bool {
-        !std::mem::replace(&mut self.current, true)
-    }
-
-    /// Records its filling.
+    /// Records its filling, unless it is filled.
     pub fn record(
         &self,
         recording: &mut Recording<'_>,
         bindings: &Bindings<'_>,
     ) -> Result<(), RenderError> {
+        if self.current.get() {
+            return Ok(());
+        }
         let UVec3 { x, y, z } = self.size;
-        recording.compute_volume("light_volume", bindings, [x, y, z * self.lights])
+        recording.compute_volume("light_volume", bindings, [x, y, z * self.lights])?;
+        self.current.set(true);
+        Ok(())
     }
 }
 
 fn key(scene: &Scene) -> Key {
+    let sight = |light: &Light| match light {
+        Light::Point(light) => Sight::At(light.position),
+        Light::Spot(light) => Sight::At(light.position),
+        Light::Directional(light) => Sight::Along(light.direction),
+    };
+    let grid = |medium: &Medium| match &medium.shape {
+        MediumShape::Grid {
+            grid,
+            world_from_lattice,
+        } => {
+            let sigma_t = std::array::from_fn(|c| medium.sigma_s[c] + medium.sigma_a[c]);
+            Some((grid.clone(), *world_from_lattice, sigma_t))
+        }
+        _ => None,
+    };
     Key {
-        lights: scene.lights.clone(),
-        media: scene.media.clone(),
+        lights: scene.lights.iter().map(sight).collect(),
+        grids: scene.media.iter().filter_map(grid).collect(),
     }
 }
 

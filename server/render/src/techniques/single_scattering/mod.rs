@@ -53,7 +53,6 @@ pub(crate) fn record_gather(
         "rejected_pixels",
         listed,
         bindings,
-        &interleaved.dispatched_pixels,
         &interleaved.rejected_pixels,
     )
 }
