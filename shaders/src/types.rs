@@ -103,6 +103,8 @@ mirrors! {
         max_events: u32,
         environment_size: [u32; 2],
         environment_turn: [f32; 2],
+        turn: u32,
+        padding: [u32; 3],
     }
 
     /// The part of the picture that one dispatch of the reference works on.
@@ -112,6 +114,36 @@ mirrors! {
         first_sample: u32,
         samples: u32,
         segments: u32,
+        cleared: u32,
+        stride: u32,
+        offset_x: u32,
+        offset_y: u32,
+    }
+
+    /// A level of the residual's pyramid, the next coarser one, and the one after that.
+    struct PyramidLevel {
+        width: u32,
+        height: u32,
+        first: u32,
+        coarsest: u32,
+        coarse_width: u32,
+        coarse_height: u32,
+        coarse_first: u32,
+        window_width: u32,
+        window_height: u32,
+        window_first: u32,
+    }
+
+    /// The camera of the last picture.
+    struct HistoryView {
+        right: [f32; 3],
+        valid: u32,
+        up: [f32; 3],
+        most: f32,
+        forward: [f32; 3],
+        padding: u32,
+        moved: [f32; 3],
+        padding_end: u32,
     }
 
     /// A path that waits for its pixel's next dispatch.

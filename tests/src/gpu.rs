@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use tyndall_metrics::Image;
 use tyndall_render::{Device, DeviceOptions, Renderer, Still, probe};
+use tyndall_scene::description::render::CorrectionMode;
 use tyndall_scene::{Loaded, Scene, SceneDescription};
 
 /// Opens the best adapter there is: the software driver, unless a test machine has a GPU.
@@ -25,8 +26,11 @@ pub fn scene(json: &serde_json::Value) -> Scene {
 
 /// Builds a scene with its description from JSON text without files.
 pub fn loaded(json: &serde_json::Value) -> Loaded {
-    let description =
+    let mut description =
         SceneDescription::from_json(&json.to_string()).expect("the test's scene parses");
+    // Tests are about a technique's own picture unless they say otherwise.
+    let correction = &mut description.render.correction;
+    correction.get_or_insert(CorrectionMode::Off);
     tyndall_scene::build(description, None).expect("the test's scene is valid")
 }
 

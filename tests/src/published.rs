@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 
 use tyndall_metrics::Image;
-use tyndall_scene::Scene;
+use tyndall_scene::{CorrectionMode, Scene};
 
 use crate::{npz, pm_ref, shared_folder};
 
 /// A published scene and one of its images.
 #[derive(Debug)]
 pub struct Published {
-    /// As it was published: no technique chosen, its own size.
+    /// As it was published: no technique chosen, not corrected, its own size.
     pub scene: Scene,
     /// The mean of two programs' samples with its variance. Unit: W·m⁻²·sr⁻¹.
     pub image: Image,
@@ -22,9 +22,10 @@ pub fn find(name: &str, kind: &str) -> Option<Published> {
     let folder: PathBuf = shared_folder::find(name)?.join("reference");
     let description =
         pm_ref::load(&folder.join(format!("scenes/{name}.json"))).expect("a published scene");
-    let scene = tyndall_scene::build(description, Some(&folder))
+    let mut scene = tyndall_scene::build(description, Some(&folder))
         .expect("a published scene is valid")
         .scene;
+    scene.render.correction = CorrectionMode::Off;
     let file = folder.join(format!("data/ref_{name}_{kind}.npz"));
     let array = |key: &str| npz::read_f32(&file, key).expect("a published image");
     let rgb = |values: Vec<f32>| -> Vec<[f32; 3]> { values.as_chunks::<3>().0.to_vec() };

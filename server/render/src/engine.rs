@@ -71,6 +71,29 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
+    /// Dispatches several permutations one after the other in one pass, each over its size.
+    pub fn compute_chain(
+        &mut self,
+        name: &'static str,
+        links: &[(String, Bindings<'_>, [u32; 2])],
+    ) -> Result<(), RenderError> {
+        let mut dispatches = Vec::with_capacity(links.len());
+        for (variant, bindings, [width, height]) in links {
+            let program = self
+                .programs
+                .compute(self.device, variant, self.constants)?;
+            let groups = program.bind(self.device, bindings)?;
+            let counts = program.workgroups(*width, *height);
+            dispatches.push((program, groups, counts));
+        }
+        let mut pass = self.compute_pass(name);
+        for (program, groups, [x, y]) in &dispatches {
+            program.set(&mut pass, groups);
+            pass.dispatch_workgroups(*x, *y, 1);
+        }
+        Ok(())
+    }
+
     /// Dispatches permutation `name` over a volume.
     pub fn compute_volume(
         &mut self,

@@ -18,8 +18,10 @@ pub(crate) struct Change {
     pub geometry: bool,
     /// Where instances stand. Restarts the mean.
     pub placement: bool,
-    /// Any radiance: camera pose, lights, media, settings, seed. Restarts the mean.
+    /// Lights, media, settings, seed. Restarts the mean.
     pub radiance: bool,
+    /// The camera's pose or lens. Restarts the mean.
+    pub camera: bool,
     /// Only how it is displayed. Keeps the mean.
     pub exposure: bool,
     /// Only when it is finished. Keeps the mean.
@@ -38,8 +40,8 @@ impl Change {
         Self {
             geometry: !old.geometry.same_surfaces(&new.geometry),
             placement: old.geometry != new.geometry && !old.geometry.same_placement(&new.geometry),
-            radiance: same_display != old.camera
-                || same_stop != old.render
+            camera: same_display != old.camera,
+            radiance: same_stop != old.render
                 || old.lights != new.lights
                 || old.media != new.media
                 || old.environment != new.environment,
@@ -50,12 +52,20 @@ impl Change {
 
     /// Whether the picture is another one.
     pub fn restarts(self) -> bool {
-        self.geometry || self.placement || self.radiance
+        self.geometry || self.placement || self.radiance || self.camera
+    }
+
+    /// Whether the scene is the same, seen from elsewhere or not.
+    pub fn only_camera(self) -> bool {
+        !(self.geometry || self.placement || self.radiance)
     }
 }
 
 /// Samples below which an estimated error stops nothing.
 const MIN_SAMPLES: u32 = 16;
+/// The technique's samples in a corrected picture: its noise is small then, and the rest of the time goes
+/// into traced ones.
+const MAX_BASE_SAMPLES: u32 = 64;
 /// A picture whose time is up may take that many times as long for the paths that still wait.
 const PATIENCE: f32 = 2.0;
 
@@ -63,6 +73,10 @@ const PATIENCE: f32 = 2.0;
 #[derive(Debug)]
 pub(crate) struct Image {
     samples: u32,
+    /// Samples of the technique that the traced ones correct; `samples` without correction.
+    base_samples: u32,
+    /// `samples` when the correction ran last, if it did.
+    estimated_at: Option<u32>,
     epoch: u32,
     started: Instant,
     /// The mean is up to date but was never shown with the present exposure.
@@ -106,6 +120,8 @@ impl Image {
     pub fn new() -> Self {
         Self {
             samples: 0,
+            base_samples: 0,
+            estimated_at: None,
             epoch: 0,
             started: Instant::now(),
             redisplay: false,
@@ -127,6 +143,8 @@ impl Image {
     /// Forgets every sample.
     pub fn restart(&mut self) {
         self.samples = 0;
+        self.base_samples = 0;
+        self.estimated_at = None;
         self.epoch = self.epoch.wrapping_add(1);
         self.started = Instant::now();
         self.redisplay = false;
@@ -175,11 +193,39 @@ impl Image {
             } else {
                 Work::Sample
             }
-        } else if self.redisplay {
+        } else if self.redisplay || self.is_behind() {
             Work::Redisplay
         } else {
             Work::Nothing
         }
+    }
+
+    /// Whether nothing was submitted since the last restart.
+    pub fn is_new(&self) -> bool {
+        self.estimated_at.is_none()
+    }
+
+    /// Samples of the technique itself.
+    pub fn base_samples(&self) -> u32 {
+        self.base_samples
+    }
+
+    /// Whether the technique's own mean still gains: it is as long as the traced one, to a bound.
+    pub fn wants_base(&self) -> bool {
+        self.base_samples < MAX_BASE_SAMPLES && self.base_samples <= self.samples
+    }
+
+    /// Whether the picture lacks samples that were added since the correction.
+    pub fn is_behind(&self) -> bool {
+        self.estimated_at != Some(self.samples)
+    }
+
+    /// Whether the correction is worth its time once there are `samples` samples: they grew by an eighth, or
+    /// are all.
+    pub fn wants_estimate(&self, samples: u32, stop: StopRule) -> bool {
+        let last = matches!(stop, StopRule::Samples(target) if samples >= target);
+        let before = self.estimated_at.unwrap_or(0);
+        samples == 0 || last || u64::from(samples) * 8 >= u64::from(before) * 9
     }
 
     /// Samples the stop rule allows in all.
@@ -239,10 +285,15 @@ impl Image {
         }
     }
 
-    /// Notes that `work` was submitted, which added `samples` samples to every pixel.
-    pub fn advance(&mut self, work: Work, samples: u32) {
+    /// Notes that `work` was submitted, which added `samples` samples to every pixel; whether one of the
+    /// technique was among the work, and the estimate.
+    pub fn advance(&mut self, work: Work, samples: u32, base: bool, estimated: bool) {
         if work == Work::Sample {
             self.samples = self.samples.saturating_add(samples);
+            self.base_samples += u32::from(base);
+        }
+        if estimated {
+            self.estimated_at = Some(self.samples);
         }
         self.redisplay = false;
     }
@@ -250,7 +301,7 @@ impl Image {
     /// Position of the next sample inside its pixel, [0, 1)²: the centre first, then the R2
     /// sequence (Roberts 2018), which fills the square evenly for every prefix.
     pub fn pixel_offset(&self) -> [f32; 2] {
-        let n = f64::from(self.samples);
+        let n = f64::from(self.base_samples);
         let place = |step: f64| (0.5 + n * step).fract() as f32;
         [place(0.754_877_666_246_693), place(0.569_840_290_998_053_3)]
     }
@@ -271,8 +322,9 @@ pub(crate) fn record_estimate(
     recording: &mut crate::engine::Recording<'_>,
     bindings: &crate::programs::Bindings<'_>,
     targets: &Targets,
+    variant: &str,
 ) -> Result<(), crate::error::RenderError> {
     let (width, height) = (targets.width, targets.height);
-    recording.compute("estimate", "estimate+tiles", bindings, width, height)?;
+    recording.compute("estimate", variant, bindings, width, height)?;
     recording.compute("estimate", "estimate+total", bindings, 1, 1)
 }

@@ -6,6 +6,7 @@
 //! owns the running mean; `readback` brings pictures home without blocking. [`Renderer`] ties them
 //! together for one device and any number of [`View`]s.
 
+mod correction;
 mod device;
 mod engine;
 mod error;

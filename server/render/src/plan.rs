@@ -1,7 +1,9 @@
 //! What one frame does, and why. Pure: equal inputs give equal plans.
 
 mod area_lights;
+mod correction;
 mod march;
+mod reference;
 
 use std::fmt;
 
@@ -11,6 +13,8 @@ use tyndall_scene::{RenderSettings, ShadowMode, Technique};
 
 pub(crate) use area_lights::{area_strata, has_area_lights};
 use area_lights::{plan_area_lights, plan_bvh};
+use correction::{plan_correction, plan_no_correction, without_correction};
+use reference::{plan_paths, plan_reference};
 pub(crate) use march::March;
 
 /// A pass of the renderer.
@@ -37,6 +41,8 @@ pub enum PassKind {
     Reference,
     /// Running mean and statistics.
     Film,
+    /// Brings the technique's picture toward the traced one.
+    Correction,
     /// The mean's own error.
     Estimate,
     /// Exposure, curve, encoding.
@@ -57,6 +63,7 @@ impl PassKind {
             Self::AreaLights => "area_lights",
             Self::Reference => "reference",
             Self::Film => "film",
+            Self::Correction => "correction",
             Self::Estimate => "estimate",
             Self::Tonemap => "tonemap",
         }
@@ -150,12 +157,14 @@ fn visibility(facts: &SceneFacts, settings: &RenderSettings) -> ShadowMode {
 /// Decides what a frame of a scene with these facts does.
 pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) -> FramePlan {
     if settings.technique == Technique::Reference {
-        return plan_reference(facts);
+        return plan_reference(facts, settings);
     }
     let mut plan = FramePlan::default();
     let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
     let shadows = visibility(facts, settings);
-    plan_visibility(&mut plan, facts, settings, lights, shadows);
+    let uncorrected = without_correction(facts, settings, *limits);
+    let paths = uncorrected.is_none();
+    plan_visibility(&mut plan, facts, settings, lights, (shadows, paths));
     let suffix = match shadows {
         ShadowMode::Off => "",
         ShadowMode::Mapped => "+mapped",
@@ -217,62 +226,12 @@ pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) 
         film.push_str("+area");
     }
     plan.run(PassKind::Film, &film, "running mean while nothing changes");
-    plan.run(PassKind::Tonemap, "tonemap", "8-bit picture for the screen");
-    plan
-}
-
-/// The path tracer needs no other pass's picture.
-fn plan_reference(facts: &SceneFacts) -> FramePlan {
-    let mut plan = FramePlan::default();
-    let surfaces = facts.triangles > 0;
-    if surfaces {
-        plan.run(
-            PassKind::Bvh,
-            "",
-            format!("{} triangles, built once", facts.triangles),
-        );
+    if let Some(why) = uncorrected {
+        plan_no_correction(&mut plan, why);
     } else {
-        plan.skip(PassKind::Bvh, "", "no triangles to intersect");
+        plan_paths(&mut plan, facts);
+        plan_correction(&mut plan, facts, settings, true);
     }
-    plan.skip(PassKind::ShadowMaps, "", "visibility is traced");
-    plan.skip(PassKind::Gbuffer, "", "paths start at the camera");
-    plan.skip(PassKind::Shade, "", "paths light surfaces");
-    plan.skip(PassKind::LightVolume, "", "paths track through grids");
-    plan.skip(
-        PassKind::SingleScattering,
-        "",
-        "paths scatter any number of times",
-    );
-    plan.skip(PassKind::Gather, "", "paths are not interleaved");
-    plan.skip(PassKind::AreaLights, "", "paths find area lights");
-    let mut variant = String::from("reference");
-    if surfaces {
-        variant.push_str("+surfaces");
-        if facts.textures + facts.data_textures > 0 {
-            variant.push_str("+textured");
-        }
-    }
-    if facts.grids > 0 {
-        variant.push_str("+grids");
-    }
-    if facts.environment_map {
-        variant.push_str("+environment_map");
-    }
-    let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
-    plan.run(
-        PassKind::Reference,
-        &variant,
-        format!(
-            "{lights} lights, {} emissive triangles, {} media of which {} grids",
-            facts.emissive_triangles, facts.media, facts.grids
-        ),
-    );
-    plan.skip(PassKind::Film, "", "the path tracer keeps the mean");
-    plan.run(
-        PassKind::Estimate,
-        "",
-        "error of the mean from its two halves",
-    );
     plan.run(PassKind::Tonemap, "tonemap", "8-bit picture for the screen");
     plan
 }
@@ -282,7 +241,7 @@ fn plan_visibility(
     facts: &SceneFacts,
     settings: &RenderSettings,
     lights: usize,
-    shadows: ShadowMode,
+    (shadows, paths): (ShadowMode, bool),
 ) {
     let without = if lights == 0 {
         "no lights"
@@ -297,7 +256,7 @@ fn plan_visibility(
         ShadowMode::Mapped => {
             let views = facts.spot_lights + 6 * facts.point_lights + facts.directional_lights;
             let side = settings.shadows.resolution;
-            plan_bvh(plan, facts, false);
+            plan_bvh(plan, facts, paths);
             plan.run(
                 PassKind::ShadowMaps,
                 "",
@@ -311,7 +270,7 @@ fn plan_visibility(
             plan.skip(PassKind::ShadowMaps, "", "visibility is traced");
         }
         ShadowMode::Off => {
-            plan_bvh(plan, facts, false);
+            plan_bvh(plan, facts, paths);
             plan.skip(PassKind::ShadowMaps, "", without);
         }
     }

@@ -87,6 +87,10 @@ pub(crate) struct FrameMeta {
     pub statistics_scale: f32,
     /// Whether the film pass ran; otherwise its statistics are the previous frame's.
     pub filmed: bool,
+    /// How often the transmittance was summed.
+    pub transmittances: u32,
+    /// Whether the error was estimated.
+    pub estimated: bool,
     /// Pixel samples of the reference's slice.
     pub units: u64,
     /// Layers of shadow maps that were rendered.
@@ -110,7 +114,8 @@ pub(crate) struct ReadbackRing {
     slots: Vec<Slot>,
     /// Next slot to write; the oldest frame in flight is the next one that is not free.
     next: usize,
-    last_stats: FrameStats,
+    /// Of the frame taken last, and its restart.
+    last_stats: (u32, FrameStats),
 }
 
 impl ReadbackRing {
@@ -133,7 +138,7 @@ impl ReadbackRing {
             height,
             slots,
             next: 0,
-            last_stats: FrameStats::default(),
+            last_stats: (0, FrameStats::default()),
         }
     }
 
@@ -233,7 +238,7 @@ impl ReadbackRing {
         slot.buffer.unmap();
         slot.state.store(FREE, Ordering::Release);
         if let Some(frame) = &result {
-            self.last_stats = frame.stats;
+            self.last_stats = (frame.epoch, frame.stats);
         }
         Some((result?, meta.sweep))
     }
@@ -252,25 +257,35 @@ fn frame_stats(
     meta: &FrameMeta,
     width: u32,
     height: u32,
-    last: FrameStats,
+    (last_epoch, last): (u32, FrameStats),
 ) -> FrameStats {
     let pixels = width as f32 * height as f32 * meta.statistics_scale;
     let displayed = counted.displayed as f32 / pixels;
+    let estimated_error = if meta.estimated {
+        estimated_error(counted)
+    } else {
+        last.estimated_error
+            .filter(|_| last_epoch == meta.epoch)
+    };
     if !meta.filmed {
         return FrameStats {
             mean_luminance: displayed,
+            estimated_error,
             ..last
         };
     }
     FrameStats {
-        mean_transmittance: counted.transmittance as f32 / pixels,
+        mean_transmittance: match meta.transmittances {
+            0 => last.mean_transmittance,
+            sums => counted.transmittance as f32 / (pixels * sums as f32),
+        },
         mean_luminance: displayed,
         non_finite: counted.non_finite,
         negative: counted.negative,
         clamped: counted.clamped,
         truncated: counted.truncated,
         unfinished: counted.unfinished,
-        estimated_error: estimated_error(counted),
+        estimated_error,
     }
 }
 
@@ -289,9 +304,9 @@ fn estimated_error(counted: &Statistics) -> Option<f32> {
     }
 }
 
-/// Fixed-point scale that keeps a sum of values in [0, 1] over all pixels below 2³¹.
+/// Fixed-point scale that keeps two sums of values in [0, 1] over all pixels below 2³².
 pub(crate) fn statistics_scale(width: u32, height: u32) -> f32 {
-    (2.0_f64.powi(31) / (f64::from(width) * f64::from(height))).min(65536.0) as f32
+    (2.0_f64.powi(30) / (f64::from(width) * f64::from(height))).min(65536.0) as f32
 }
 
 /// Waits for `buffer` (usage `MAP_READ`) and copies it. For tests, stills and the self-test.

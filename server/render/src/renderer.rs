@@ -15,6 +15,7 @@ use crate::plan::{March, PassKind, PlanLimits, area_strata, has_area_lights};
 use crate::programs::{Constants, Programs};
 use crate::readback::{FrameMeta, statistics_scale, wait};
 use crate::self_test::SelfTest;
+use crate::slices::Slice;
 use crate::supported::check_supported;
 use crate::view::{View, ViewParts};
 
@@ -147,17 +148,21 @@ impl Renderer {
             view.stale = false;
         }
         let (width, height) = view.size();
-        let slice = (work == Work::Sample && view.plan.runs(PassKind::Reference)).then(|| {
-            let most = view.image.most_samples(stop);
-            view.slices
-                .next((width, height), view.image.samples(), most)
-        });
+        let share = view.share(work);
+        if share.restarts
+            && let Some(correction) = &view.targets.correction
+        {
+            let camera = &view.scene.camera;
+            correction.look_back(&self.device, view.residual_camera.as_ref(), camera);
+        }
+        let slice = share.slice;
         if let Some(slice) = slice {
             view.inputs.upload_slice(&self.device, slice);
         }
         let sample = SampleValues {
             pixel_offset: view.image.pixel_offset(),
-            sample_index: view.image.samples(),
+            sample_index: view.image.base_samples(),
+            turn: view.image.epoch(),
             march: March::of(&view.facts, &view.scene.render, view.limits()),
         };
         view.inputs.upload_frame(
@@ -186,7 +191,10 @@ impl Renderer {
             shadows: &mut view.shadows,
             light_volume: view.light_volume.as_ref(),
         };
-        frame::record(&mut recording, &view.plan, &mut parts, work, slice)?;
+        frame::record(&mut recording, &view.plan, &mut parts, work, share)?;
+        if share.estimated {
+            view.residual_camera = Some(view.scene.camera);
+        }
         view.ring.record(
             &mut recording.encoder,
             &view.targets.displayed,
@@ -196,19 +204,21 @@ impl Renderer {
         );
         let frame_timing = recording.submit()?;
         let sweep = slice.map(|slice| view.slices.advance(slice));
-        let added = slice.map_or(1, |slice| if slice.completes { slice.samples } else { 0 });
-        view.image.advance(work, added);
+        let added = slice.map_or(1, Slice::completed_samples);
+        view.image.advance(work, added, share.base, share.estimated);
         if let Some(sweep) = sweep {
             view.image.await_sweep(sweep);
         }
         let meta = FrameMeta {
             tag,
             samples: view.image.samples(),
-            converged: view.image.is_finished(stop),
+            converged: view.is_converged(),
             epoch: view.image.epoch(),
             started,
             statistics_scale: statistics_scale(width, height),
             filmed: work == Work::Sample,
+            transmittances: view.transmittance_sums(share),
+            estimated: share.estimated && view.plan.runs(PassKind::Estimate),
             units: slice.map_or(0, |slice| slice.units(width)),
             shadow_layers: view.shadows.take_rendered(),
             sweep,

@@ -18,6 +18,8 @@ const STILL_BUDGET: Duration = Duration::from_millis(250);
 const FIRST_UNITS: f64 = 4096.0;
 /// Segments a pixel may follow for each sample it takes, and for the dispatch: most paths are shorter.
 const SEGMENTS: u32 = 64;
+/// Furthest that pixels with a sample lie apart: further, and a moving picture gains nothing.
+const MAX_STRIDE: u32 = 8;
 /// A measured cost may be that much too low for the next dispatch.
 const GROWTH: f64 = 4.0;
 
@@ -49,6 +51,11 @@ pub(crate) struct Slice {
     pub rows: u32,
     pub first_sample: u32,
     pub samples: u32,
+    /// Every so many pixels along each axis, from the offset on; 1 takes all.
+    pub stride: u32,
+    pub offset: [u32; 2],
+    /// Whether the buffers were cleared and hold what is known of every pixel.
+    pub cleared: bool,
     /// Whether it is the last of its sweep.
     pub completes: bool,
 }
@@ -56,7 +63,21 @@ pub(crate) struct Slice {
 impl Slice {
     /// Pixel samples in it; one a pixel where it only ends paths that wait.
     pub fn units(self, width: u32) -> u64 {
-        u64::from(width) * u64::from(self.rows) * u64::from(self.samples.max(1))
+        let [columns, rows] = self.invocations(width);
+        u64::from(columns) * u64::from(rows) * u64::from(self.samples.max(1))
+    }
+
+    /// Samples that every pixel has gained once it is done.
+    pub fn completed_samples(self) -> u32 {
+        if self.completes { self.samples } else { 0 }
+    }
+
+    /// Pixels it works on, along both axes.
+    pub fn invocations(self, width: u32) -> [u32; 2] {
+        [
+            width.div_ceil(self.stride),
+            self.rows.div_ceil(self.stride),
+        ]
     }
 
     pub fn values(self) -> types::Slice {
@@ -66,6 +87,10 @@ impl Slice {
             first_sample: self.first_sample,
             samples: self.samples,
             segments: SEGMENTS * (self.samples + 1),
+            cleared: self.cleared.into(),
+            stride: self.stride,
+            offset_x: self.offset[0],
+            offset_y: self.offset[1],
         }
     }
 }
@@ -99,13 +124,41 @@ impl Slices {
         self.next_row = 0;
     }
 
+    /// Pixel samples that the budget allows the next dispatch.
+    fn affordable(&self) -> f64 {
+        let units = self.cost.map_or(FIRST_UNITS, |cost| {
+            self.budget.as_secs_f64() / cost.max(1e-12)
+        });
+        units.min(self.last_units * GROWTH)
+    }
+
+    /// A sample of every so many pixels, all over the picture in one dispatch, where one of every pixel
+    /// would take longer than the budget; `turn` chooses which pixels.
+    pub fn thinned(&self, (width, height): (u32, u32), turn: u32) -> Option<Slice> {
+        let whole = f64::from(width) * f64::from(height);
+        let wanted = (whole / self.affordable()).sqrt().ceil() as u32;
+        if wanted <= 1 || self.budget >= STILL_BUDGET {
+            return None;
+        }
+        let stride = wanted.min(MAX_STRIDE).min(width).min(height);
+        // R2 sequence (Roberts 2018): any run of turns spreads over the cells of the stride.
+        let place = |step: f64| ((f64::from(turn) * step).fract() * f64::from(stride)) as u32;
+        Some(Slice {
+            first_row: 0,
+            rows: height,
+            first_sample: 0,
+            samples: 1,
+            stride,
+            offset: [place(0.754_877_666_246_693), place(0.569_840_290_998_053_3)],
+            cleared: true,
+            completes: false,
+        })
+    }
+
     /// The next part of a picture that has `done` samples, with at most `wanted` in the end; without
     /// new samples where it has as many, for the paths that wait.
     pub fn next(&self, (width, height): (u32, u32), done: u32, wanted: u32) -> Slice {
-        let affordable = self.cost.map_or(FIRST_UNITS, |cost| {
-            self.budget.as_secs_f64() / cost.max(1e-12)
-        });
-        let units = affordable.min(self.last_units * GROWTH);
+        let units = self.affordable();
         let (first_row, samples) = if self.next_row == 0 {
             let whole = f64::from(width) * f64::from(height);
             let left = wanted.saturating_sub(done);
@@ -127,6 +180,9 @@ impl Slices {
             rows,
             first_sample: done,
             samples,
+            stride: 1,
+            offset: [0; 2],
+            cleared: false,
             completes: first_row + rows == height,
         }
     }
@@ -137,7 +193,7 @@ impl Slices {
             self.sweep = self.sweep.wrapping_add(1);
         }
         self.batch = slice.samples;
-        self.next_row = if slice.completes {
+        self.next_row = if slice.completes || slice.stride > 1 {
             0
         } else {
             slice.first_row + slice.rows

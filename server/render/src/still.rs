@@ -1,6 +1,8 @@
 //! A picture rendered to its stop rule, with its linear radiance.
 
+use crate::correction::Correction;
 use crate::error::RenderError;
+use crate::plan::PassKind;
 use crate::readback::{FinishedFrame, read_now};
 use crate::renderer::{RenderOutcome, Renderer};
 use crate::view::View;
@@ -15,6 +17,12 @@ pub struct Still {
     /// Variance of each pixel's mean as if its samples were independent, an upper estimate where they
     /// are better spread than that. Only the reference knows it.
     pub variance: Option<Vec<[f32; 3]>>,
+    /// The technique's own mean and the traced one, where the picture is the one corrected by the other.
+    pub base: Option<Vec<[f32; 4]>>,
+    /// See `base`.
+    pub traced: Option<Vec<[f32; 4]>>,
+    /// Square error that the correction expects of each pixel, mean of the channels.
+    pub square_error: Option<Vec<f32>>,
     /// Samples of each pixel. Only the reference counts them a pixel.
     pub samples_per_pixel: Option<Vec<f32>>,
     /// Distance along the view axis to the first surface, mean over the samples that met one; 0 without
@@ -119,6 +127,9 @@ impl Renderer {
             frame,
             radiance: self.read_radiance(view)?,
             variance: None,
+            base: None,
+            traced: None,
+            square_error: None,
             samples_per_pixel: None,
             depth: None,
             normal: None,
@@ -130,6 +141,15 @@ impl Renderer {
         if let Some(reference) = &view.targets.reference {
             let moments = self.read_pixels(&reference.moments)?;
             let surface = self.read_pixels(&reference.film_surface)?;
+            if let Some(correction) = &view.targets.correction {
+                still.base = view
+                    .plan
+                    .runs(PassKind::Film)
+                    .then(|| self.read_pixels(&correction.base_film))
+                    .transpose()?;
+                still.traced = Some(self.read_pixels(reference.film(&view.targets))?);
+                still.square_error = Some(self.read_square_errors(correction, &still)?);
+            }
             let first =
                 |pairs: &[[f32; 4]]| pairs.chunks_exact(2).map(|p| p[0]).collect::<Vec<_>>();
             let rgb = |v: [f32; 4]| [v[0], v[1], v[2]];
@@ -151,8 +171,23 @@ impl Renderer {
         self.read_pixels(&view.targets.film)
     }
 
+    fn read_square_errors(
+        &self,
+        correction: &Correction,
+        still: &Still,
+    ) -> Result<Vec<f32>, RenderError> {
+        let mut errors: Vec<f32> =
+            bytemuck::pod_collect_to_vec(&self.read_bytes(&correction.square_errors)?);
+        errors.truncate(still.radiance.len());
+        Ok(errors)
+    }
+
     /// Reads a buffer of four floats an entry.
     fn read_pixels(&self, film: &wgpu::Buffer) -> Result<Vec<[f32; 4]>, RenderError> {
+        Ok(bytemuck::pod_collect_to_vec(&self.read_bytes(film)?))
+    }
+
+    fn read_bytes(&self, film: &wgpu::Buffer) -> Result<Vec<u8>, RenderError> {
         let device = self.device();
         let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("still.radiance"),
@@ -167,7 +202,6 @@ impl Renderer {
             });
         encoder.copy_buffer_to_buffer(film, 0, &staging, 0, None);
         device.queue.submit([encoder.finish()]);
-        let bytes = read_now(device, &staging)?;
-        Ok(bytemuck::pod_collect_to_vec(&bytes))
+        read_now(device, &staging)
     }
 }

@@ -1,7 +1,7 @@
 //! What a scene may ask for that is not rendered yet: refused by name, never ignored.
 
 use tyndall_scene::Scene;
-use tyndall_scene::{ShadowMode, StopRule, Technique};
+use tyndall_scene::{CorrectionMode, ShadowMode, StopRule, Technique};
 
 /// The fields of a scene that are valid but not rendered yet.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -23,8 +23,9 @@ pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
         }
     }
     let traced = scene.render.technique == Technique::Reference;
-    if matches!(scene.render.stop, StopRule::RelativeError(_)) && !traced {
-        fields.push("render.relative_error: needs the reference's variance".into());
+    let corrected = scene.render.correction != CorrectionMode::Off;
+    if matches!(scene.render.stop, StopRule::RelativeError(_)) && !traced && !corrected {
+        fields.push("render.relative_error: without correction, whose samples tell the error".into());
     }
     let masked = scene
         .geometry

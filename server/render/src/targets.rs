@@ -1,5 +1,6 @@
 //! Textures and buffers of one view at one size.
 
+use crate::correction::Correction;
 use crate::device::Device;
 use crate::error::RenderError;
 
@@ -27,6 +28,8 @@ pub(crate) struct Targets {
     pub film: wgpu::Buffer,
     /// Present when the plan traces paths.
     pub reference: Option<ReferenceTargets>,
+    /// Present when traced samples correct the picture.
+    pub correction: Option<Correction>,
     /// One RGBA8 word a pixel.
     pub displayed: wgpu::Buffer,
 }
@@ -34,6 +37,8 @@ pub(crate) struct Targets {
 /// What the reference keeps of each pixel beside its mean.
 #[derive(Debug)]
 pub(crate) struct ReferenceTargets {
+    /// The traced mean, four f32 a pixel, where it is not the picture itself.
+    pub traced_film: Option<wgpu::Buffer>,
     /// Eight f32 a pixel: see `techniques/reference/path_trace.wesl`.
     pub moments: wgpu::Buffer,
     /// Eight f32 a pixel: base colour, depth, normal, share that met a surface.
@@ -42,6 +47,21 @@ pub(crate) struct ReferenceTargets {
     pub waiting_paths: wgpu::Buffer,
     /// Four f32 a tile of 8×8 pixels.
     pub tile_sums: wgpu::Buffer,
+}
+
+impl ReferenceTargets {
+    /// Records that no pixel has a sample.
+    pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        let own = [&self.moments, &self.film_surface, &self.waiting_paths];
+        for buffer in own.into_iter().chain(&self.traced_film) {
+            encoder.clear_buffer(buffer, 0, None);
+        }
+    }
+
+    /// Where the traced mean is: a film of its own, or the picture.
+    pub fn film<'a>(&'a self, targets: &'a Targets) -> &'a wgpu::Buffer {
+        self.traced_film.as_ref().unwrap_or(&targets.film)
+    }
 }
 
 /// What the interleaved march and its gathering keep.
@@ -100,6 +120,9 @@ pub(crate) struct TargetNeeds {
     pub area: bool,
     pub interleaved: bool,
     pub reference: bool,
+    pub correction: bool,
+    /// Whether it carries residuals over from picture to picture.
+    pub history: bool,
 }
 
 impl Targets {
@@ -149,7 +172,9 @@ impl Targets {
             device.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
                 size: pixels * bytes_per_pixel,
-                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+                usage: wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::COPY_SRC
+                    | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })
         };
@@ -175,7 +200,11 @@ impl Targets {
                 let stored = |label: &str| texture(label, radiance, stored);
                 InterleavedTargets::new(device, pixels, stored)
             }),
+            correction: needs
+                .correction
+                .then(|| Correction::new(device, width, height, needs.history)),
             reference: needs.reference.then(|| ReferenceTargets {
+                traced_film: needs.correction.then(|| buffer("traced_film", 16)),
                 moments: buffer("moments", 32),
                 film_surface: buffer("film_surface", 32),
                 waiting_paths: buffer("waiting_paths", 64),

@@ -3,16 +3,17 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tyndall_scene::{Aabb, Geometry, Scene, SceneFacts, ShadowMode};
+use tyndall_scene::{Aabb, Camera, CorrectionMode, Geometry, Scene, SceneFacts, ShadowMode};
 
 use crate::device::{AdapterKind, Device};
 use crate::error::RenderError;
 use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
-use crate::image::{Change, Image};
+use crate::frame::Share;
+use crate::image::{Change, Image, Work};
 use crate::plan::{FramePlan, PassKind, PlanLimits, plan};
 use crate::programs::Bindings;
 use crate::readback::{FinishedFrame, ReadbackRing};
-use crate::slices::Slices;
+use crate::slices::{Slice, Slices};
 use crate::targets::{TargetNeeds, Targets};
 use crate::techniques::shadow_maps::ShadowMaps;
 use crate::techniques::single_scattering::LightVolume;
@@ -30,6 +31,8 @@ pub struct View {
     pub(crate) shadows: ShadowMaps,
     pub(crate) light_volume: Option<LightVolume>,
     pub(crate) image: Image,
+    /// The camera that the residuals were seen from, while they may be carried over.
+    pub(crate) residual_camera: Option<Camera>,
     pub(crate) slices: Slices,
     pub(crate) ring: ReadbackRing,
     pub(crate) timing: Timing,
@@ -73,7 +76,11 @@ impl ViewParts<'_> {
                 .buffer("moments", &reference.moments)
                 .buffer("film_surface", &reference.film_surface)
                 .buffer("waiting_paths", &reference.waiting_paths)
-                .buffer("tile_sums", &reference.tile_sums);
+                .buffer("tile_sums", &reference.tile_sums)
+                .buffer("traced_film", reference.film(targets));
+        }
+        if let Some(correction) = &targets.correction {
+            correction.bind(bindings);
         }
         if let Some(radiance) = &targets.in_scattered_radiance {
             bindings
@@ -120,6 +127,7 @@ impl View {
             shadows,
             light_volume: light_volume_for(device, &scene, &plan)?,
             image: Image::new(),
+            residual_camera: None,
             slices: Slices::new(slice_budget(device)),
             ring: ReadbackRing::new(device, width, height),
             timing: Timing::new(device),
@@ -166,6 +174,9 @@ impl View {
         if change.geometry || !self.inputs.fits(&scene) {
             self.inputs = Inputs::new(device, &scene);
         }
+        if targets.is_some() || !change.only_camera() {
+            self.residual_camera = None;
+        }
         if let Some(targets) = targets {
             self.targets = targets;
         }
@@ -192,9 +203,51 @@ impl View {
         }
         self.targets = Targets::new(device, width, height, needs(&self.plan))?;
         self.ring = ReadbackRing::new(device, width, height);
+        self.residual_camera = None;
         self.image.restart();
         self.slices.restart();
         Ok(())
+    }
+
+    /// What the next frame does of the plan.
+    pub(crate) fn share(&self, work: Work) -> Share {
+        let stop = self.scene.render.stop;
+        let corrected = self.plan.runs(PassKind::Correction);
+        // At rest only: the first frame after a change does not wait for paths.
+        let moving = corrected && self.image.is_new();
+        let later = moving && self.scene.render.correction == CorrectionMode::AtRest;
+        let traces = self.plan.runs(PassKind::Reference) && !later;
+        let slice = (work == Work::Sample && traces)
+            .then(|| self.next_slice(corrected));
+        let samples = self.image.samples() + slice.map_or(0, Slice::completed_samples);
+        Share {
+            base: !corrected || self.image.wants_base(),
+            slice,
+            estimated: !corrected
+                || work == Work::Redisplay
+                || self.image.wants_estimate(samples, stop),
+            restarts: corrected && self.image.is_new(),
+        }
+    }
+
+    fn next_slice(&self, corrected: bool) -> Slice {
+        let done = self.image.samples();
+        let most = self.image.most_samples(self.scene.render.stop);
+        let thinned = (corrected && self.image.is_new())
+            .then(|| self.slices.thinned(self.size(), self.image.epoch()))
+            .flatten();
+        let slice = thinned.unwrap_or_else(|| self.slices.next(self.size(), done, most));
+        Slice {
+            cleared: corrected,
+            ..slice
+        }
+    }
+
+    /// How often a frame with this share sums the transmittance.
+    pub(crate) fn transmittance_sums(&self, share: Share) -> u32 {
+        let filmed = share.base && self.plan.runs(PassKind::Film);
+        let estimated = share.estimated && self.plan.runs(PassKind::Estimate);
+        u32::from(filmed) + u32::from(estimated)
     }
 
     pub(crate) fn limits(&self) -> PlanLimits {
@@ -228,7 +281,7 @@ impl View {
 
     /// Whether the stop rule is met: nothing is rendered until something changes.
     pub fn is_converged(&self) -> bool {
-        self.image.is_finished(self.scene.render.stop)
+        self.image.is_finished(self.scene.render.stop) && !self.image.is_behind()
     }
 
     /// Frames submitted and not yet taken.
@@ -344,5 +397,9 @@ fn needs(plan: &FramePlan) -> TargetNeeds {
         area: plan.runs(PassKind::AreaLights),
         interleaved: plan.runs(PassKind::Gather),
         reference: plan.runs(PassKind::Reference),
+        correction: plan.runs(PassKind::Correction),
+        history: plan
+            .variant(PassKind::Correction)
+            .is_some_and(|variant| variant.contains("+history")),
     }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use crate::description::media::Coefficients;
+use crate::description::render::Technique;
 use crate::description::{
     Bounds, CameraDescription, GeometryDescription, LightDescription, MediumDescription,
     RenderDescription, Rgb, SceneDescription,
@@ -16,7 +17,7 @@ use crate::geometry::{Geometry, SharedGeometry};
 use crate::import::{self, Assets, Imported};
 use crate::limits::Limits;
 use crate::scene::{
-    Aabb, Camera, DirectionalLight, Environment, Light, Medium, MediumShape, PointLight,
+    Aabb, Camera, CorrectionMode, DirectionalLight, Environment, Light, Medium, MediumShape, PointLight,
     ReferenceSettings, RenderSettings, Scene, ShadowSettings, SingleScatteringSettings, SpotLight,
     StopRule,
 };
@@ -228,6 +229,7 @@ fn render(render: &RenderDescription) -> RenderSettings {
         width: render.width,
         height: render.height,
         stop,
+        correction: correction(render),
         seed: render.seed,
         single_scattering: SingleScatteringSettings {
             steps: render.single_scattering.steps,
@@ -244,6 +246,16 @@ fn render(render: &RenderDescription) -> RenderSettings {
             mode: render.shadows.mode.into(),
             resolution: render.shadows.resolution,
         },
+    }
+}
+
+/// What was asked for; otherwise the reference's picture stays as it is traced, and every other
+/// technique's is corrected.
+fn correction(render: &RenderDescription) -> CorrectionMode {
+    match (render.correction, render.technique) {
+        (Some(mode), _) => mode.into(),
+        (None, Technique::Reference) => CorrectionMode::Off,
+        (None, _) => CorrectionMode::Always,
     }
 }
 

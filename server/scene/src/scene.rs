@@ -228,6 +228,8 @@ pub struct RenderSettings {
     pub height: u32,
     /// When a still picture is finished.
     pub stop: StopRule,
+    /// When traced samples correct the technique's picture.
+    pub correction: CorrectionMode,
     /// Seed of every random number.
     pub seed: u64,
     /// Settings of the `single_scattering` march.
@@ -236,6 +238,17 @@ pub struct RenderSettings {
     pub reference: ReferenceSettings,
     /// How visibility toward lights is found.
     pub shadows: ShadowSettings,
+}
+
+/// When unbiased traced samples correct the technique's picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CorrectionMode {
+    /// Never.
+    Off,
+    /// Where nothing moves.
+    AtRest,
+    /// In every frame.
+    Always,
 }
 
 /// The techniques of the design; not all are rendered yet (the renderer refuses by name).

@@ -32,6 +32,8 @@ pub(crate) struct Inputs {
 pub(crate) struct SampleValues {
     pub pixel_offset: [f32; 2],
     pub sample_index: u32,
+    /// Counts the restarts of the running mean.
+    pub turn: u32,
     pub march: March,
 }
 
@@ -162,8 +164,7 @@ pub(crate) fn frame_values(
     let turn = environment.map_or(0.0, |environment| environment.rotation);
     let limit = |most: Option<u32>| most.unwrap_or(1 << 30);
     let (right, up, forward) = basis(camera);
-    let tan_y = (f64::from(camera.vertical_fov) / 2.0).tan();
-    let tan_x = tan_y * f64::from(width) / f64::from(height);
+    let [tan_x, tan_y] = half_angles(camera, (width, height));
     let diagonal = (facts.bounds.max - facts.bounds.min).length();
     let near = (1e-4 * diagonal).clamp(1e-4, 0.02);
     // Puts the sample's position in the pixel where the rasterizer samples: its centre.
@@ -207,6 +208,8 @@ pub(crate) fn frame_values(
         max_events: MAX_EVENTS,
         environment_size: map.map_or([0; 2], |map| [map.width, map.height]),
         environment_turn: [turn.cos(), turn.sin()],
+        turn: sample.turn,
+        padding: [0; 3],
     }
 }
 
@@ -214,6 +217,35 @@ pub(crate) fn frame_values(
 fn far_distance(facts: &SceneFacts, camera: &Camera, diagonal: f64) -> f64 {
     let middle = 0.5 * (facts.bounds.min + facts.bounds.max);
     ((camera.position - middle).length() + 4.0 * diagonal).max(1.0)
+}
+
+/// Tangents of half the angles of view, horizontal and vertical.
+fn half_angles(camera: &Camera, (width, height): (u32, u32)) -> [f64; 2] {
+    let tan_y = (f64::from(camera.vertical_fov) / 2.0).tan();
+    [tan_y * f64::from(width) / f64::from(height), tan_y]
+}
+
+/// Camera `last` as `camera` needs it to look up what it saw; `most` samples of a half count.
+pub(crate) fn history_view(
+    last: Option<&Camera>,
+    camera: &Camera,
+    size: (u32, u32),
+    most: f32,
+) -> types::HistoryView {
+    let Some(last) = last else {
+        return types::HistoryView::default();
+    };
+    let (right, up, forward) = basis(last);
+    let [tan_x, tan_y] = half_angles(last, size);
+    types::HistoryView {
+        right: (right * tan_x).as_vec3().to_array(),
+        valid: 1,
+        up: (up * tan_y).as_vec3().to_array(),
+        most,
+        forward: forward.as_vec3().to_array(),
+        moved: (camera.position - last.position).as_vec3().to_array(),
+        ..Default::default()
+    }
 }
 
 /// Right, up and forward of a camera; validation excludes degenerate ones.

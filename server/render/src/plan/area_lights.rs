@@ -82,10 +82,10 @@ pub(super) fn plan_area_lights(
     true
 }
 
-/// The BVH: for shadows that are traced, and for the area lights, whose points lie on its triangles.
+/// The BVH: for shadows and paths that are traced, and for the area lights, whose points lie on its triangles.
 pub(super) fn plan_bvh(plan: &mut FramePlan, facts: &SceneFacts, traced: bool) {
     let area = facts.triangles > 0 && without_area_lights(facts).is_none();
-    if traced || area {
+    if facts.triangles > 0 && (traced || area) {
         plan.run(
             PassKind::Bvh,
             "",

@@ -12,15 +12,13 @@
 use crate::engine::Recording;
 use crate::error::RenderError;
 use crate::programs::Bindings;
-use crate::targets::Targets;
 
-/// Records one slice of `rows` rows.
+/// Records one slice, of `columns` × `rows` pixels.
 pub(crate) fn record(
     recording: &mut Recording<'_>,
     bindings: &Bindings<'_>,
-    targets: &Targets,
     variant: &str,
-    rows: u32,
+    [columns, rows]: [u32; 2],
 ) -> Result<(), RenderError> {
-    recording.compute("reference", variant, bindings, targets.width, rows)
+    recording.compute("reference", variant, bindings, columns, rows)
 }

@@ -27,6 +27,10 @@ pub struct RenderDescription {
     /// Finished when the estimated relative error falls below this. Range: 1e−5 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relative_error: Option<f64>,
+    /// When traced samples correct the technique's picture. If left out: `always`, but `off` for the
+    /// `reference`, which they are all of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correction: Option<CorrectionMode>,
     /// Seed of every random number. Range: 0 to 2⁵³ − 1, which every JSON reader keeps exactly.
     #[ts(type = "number")]
     pub seed: u64,
@@ -36,6 +40,18 @@ pub struct RenderDescription {
     pub reference: Reference,
     /// How visibility toward lights is found.
     pub shadows: Shadows,
+}
+
+/// When unbiased traced samples correct the technique's picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(rename_all = "snake_case")]
+pub enum CorrectionMode {
+    /// Never: the technique's own picture.
+    Off,
+    /// Where nothing moves.
+    AtRest,
+    /// In every frame.
+    Always,
 }
 
 /// Settings of the ray march.
@@ -135,6 +151,7 @@ impl Default for RenderDescription {
             samples: None,
             time_seconds: None,
             relative_error: None,
+            correction: None,
             seed: 0,
             single_scattering: SingleScattering::default(),
             reference: Reference::default(),
@@ -179,6 +196,16 @@ impl From<Technique> for scene::Technique {
             Technique::PrincipalOrdinates => Self::PrincipalOrdinates,
             Technique::ScreenSpace => Self::ScreenSpace,
             Technique::Reference => Self::Reference,
+        }
+    }
+}
+
+impl From<CorrectionMode> for scene::CorrectionMode {
+    fn from(mode: CorrectionMode) -> Self {
+        match mode {
+            CorrectionMode::Off => Self::Off,
+            CorrectionMode::AtRest => Self::AtRest,
+            CorrectionMode::Always => Self::Always,
         }
     }
 }

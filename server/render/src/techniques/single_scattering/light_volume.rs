@@ -220,6 +220,30 @@ mod tests {
     use super::*;
 
     #[test]
+    fn only_what_the_depths_depend_on_fills_it_anew() {
+        let description = tyndall_scene::presets::description("smoke_plume").expect("a preset");
+        let scene = tyndall_scene::build(description, None)
+            .expect("valid")
+            .scene;
+        let mut brighter = scene.clone();
+        let mut moved = scene.clone();
+        let (Some(Light::Directional(sun)), Some(Light::Directional(turned))) =
+            (brighter.lights.first_mut(), moved.lights.first_mut())
+        else {
+            panic!("the plume stands in the sun");
+        };
+        sun.irradiance = [7.0; 3];
+        turned.direction = -Vec3::Y;
+        brighter.media[0].g += 0.1;
+        brighter.media[0].emission = [1.0; 3];
+        let mut thinner = scene.clone();
+        thinner.media[0].sigma_a[2] += 0.1;
+        assert_eq!(key(&scene), key(&brighter));
+        assert_ne!(key(&scene), key(&moved));
+        assert_ne!(key(&scene), key(&thinner));
+    }
+
+    #[test]
     fn a_field_is_as_fine_as_its_lattice_up_to_a_bound() {
         assert_eq!(
             samples(DVec3::splat(2.0), 1.0 / 32.0, 1, 2048),
