@@ -132,6 +132,7 @@ mirrors! {
         window_width: u32,
         window_height: u32,
         window_first: u32,
+        enough: f32,
     }
 
     /// The camera of the last picture.

@@ -97,6 +97,8 @@ fn layout(width: u32, height: u32) -> (Vec<PyramidLevel>, u64) {
             window_width: sizes[j + 2][0],
             window_height: sizes[j + 2][1],
             window_first: firsts[j + 2],
+            // A cell of level j stands for 4^j pixels, and its weight is their mean.
+            enough: 0.5 * 0.25_f32.powi(j as i32),
         })
         .collect();
     (levels, u64::from(firsts[sizes.len()]))
@@ -162,11 +164,20 @@ impl Correction {
         }
     }
 
-    /// Sets the camera that what is carried over was seen from, if anything is.
-    pub fn look_back(&self, device: &Device, last: Option<&Camera>, camera: &Camera) {
+    /// Sets the camera that what is carried over was seen from, if anything is. It fades as `samples` come,
+    /// so that a picture at rest is free of what carrying did to it.
+    pub fn look_back(
+        &self,
+        device: &Device,
+        last: Option<&Camera>,
+        camera: &Camera,
+        samples: u32,
+    ) {
         if let (Some(history), Some(finest)) = (&self.history, self.levels.first()) {
             let size = (finest.value.width, finest.value.height);
-            let value = history_view(last, camera, size, MOST_CARRIED);
+            let most = MOST_CARRIED - samples as f32;
+            let last = last.filter(|_| most > 0.0);
+            let value = history_view(last, camera, size, most);
             let bytes = bytemuck::bytes_of(&value);
             device.queue.write_buffer(&history.view, 0, bytes);
         }

@@ -149,12 +149,7 @@ impl Renderer {
         }
         let (width, height) = view.size();
         let share = view.share(work);
-        if share.restarts
-            && let Some(correction) = &view.targets.correction
-        {
-            let camera = &view.scene.camera;
-            correction.look_back(&self.device, view.residual_camera.as_ref(), camera);
-        }
+        view.look_back(&self.device, share);
         let slice = share.slice;
         if let Some(slice) = slice {
             view.inputs.upload_slice(&self.device, slice);

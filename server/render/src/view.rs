@@ -31,6 +31,8 @@ pub struct View {
     pub(crate) shadows: ShadowMaps,
     pub(crate) light_volume: Option<LightVolume>,
     pub(crate) image: Image,
+    /// The camera of the last picture, whose residuals were carried over.
+    pub(crate) history_camera: Option<Camera>,
     /// The camera that the residuals were seen from, while they may be carried over.
     pub(crate) residual_camera: Option<Camera>,
     pub(crate) slices: Slices,
@@ -127,6 +129,7 @@ impl View {
             shadows,
             light_volume: light_volume_for(device, &scene, &plan)?,
             image: Image::new(),
+            history_camera: None,
             residual_camera: None,
             slices: Slices::new(slice_budget(device)),
             ring: ReadbackRing::new(device, width, height),
@@ -240,6 +243,21 @@ impl View {
         Slice {
             cleared: corrected,
             ..slice
+        }
+    }
+
+    /// Tells the correction what of the last picture it may use.
+    pub(crate) fn look_back(&mut self, device: &Device, share: Share) {
+        let Some(correction) = &self.targets.correction else {
+            return;
+        };
+        if share.restarts {
+            self.history_camera = self.residual_camera.take();
+        }
+        if share.estimated {
+            let last = self.history_camera.as_ref();
+            let samples = self.image.samples();
+            correction.look_back(device, last, &self.scene.camera, samples);
         }
     }
 
