@@ -2,32 +2,42 @@
 
 use std::fmt;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use glam::{DQuat, DVec3};
 use serde::Serialize;
-use tyndall_metrics::{Image, relative_rmse_trim};
+use tyndall_metrics::{Image, estimated_error, relative_rmse_trim_debiased};
 use tyndall_render::{FinishedFrame, RenderError, RenderOutcome, Renderer, View};
 use tyndall_scene::{Scene, ShadowMode, StopRule};
 
 use crate::error::BenchError;
 use crate::memory::resident_bytes;
+use crate::shot::shoot;
 use crate::statistics::Summary;
+use crate::truth::{another_seed, settle};
 
 /// Frames before timing starts: pipelines are built at their first use.
 const WARM_UP: u32 = 5;
 
 /// Settings of the measurement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameBench {
     /// Unit: pixel.
     pub width: u32,
     /// Unit: pixel.
     pub height: u32,
-    /// Frames to time.
+    /// Frames to time, at most.
     pub frames: u32,
-    /// Samples of the converged picture.
+    /// Longest time of them. Unit: s.
+    pub frames_seconds: f64,
+    /// Samples at rest, at most.
+    pub rest_samples: u32,
+    /// Longest time of them. Unit: s.
+    pub rest_seconds: f64,
+    /// Samples of the converged picture, at most.
     pub truth_samples: u32,
+    /// Longest time of them. Unit: s.
+    pub truth_seconds: f64,
 }
 
 /// One scene's figures.
@@ -54,14 +64,19 @@ pub struct Row {
     /// Device time of each pass. Unit: ms.
     pub pass_millis: Vec<(String, Summary)>,
     /// relRMSE without the worst 0.1 % of pixels of one frame (1 sample) against `truth_samples`
-    /// samples of the same view, shadows traced where possible.
+    /// samples of the same view and technique, shadows traced where possible; the variance of those is
+    /// taken off.
     pub error_one_sample: f64,
-    /// The same of 64 samples, the default at rest: the bias that accumulation leaves.
-    pub error_64_samples: f64,
+    /// Samples taken at rest.
+    pub rest_samples: u32,
+    /// The same of them.
+    pub error_at_rest: f64,
+    /// Wall time of them. Unit: s.
+    pub seconds_at_rest: f64,
     /// Samples of the converged picture.
     pub truth_samples: u32,
-    /// Wall time of 64 samples at rest. Unit: s.
-    pub seconds_64_samples: f64,
+    /// Its own relative error.
+    pub truth_error: Option<f64>,
     /// Non-finite samples over all frames.
     pub non_finite: u64,
     /// Resident memory after the first 100 timed frames. Unit: byte.
@@ -78,43 +93,37 @@ impl FrameBench {
         name: &str,
         scene: &Scene,
     ) -> Result<Row, BenchError> {
-        let still = |samples: u32, mode: ShadowMode| {
-            let mut scene = scene.clone();
-            scene.render.stop = StopRule::Samples(samples);
-            scene.render.shadows.mode = mode;
-            Arc::new(scene)
-        };
         let mode = scene.render.shadows.mode;
+        let mut first = scene.clone();
+        first.render.stop = StopRule::Samples(self.rest_samples);
         let started = Instant::now();
-        let mut view = renderer.create_view(still(64, mode), self.width, self.height)?;
+        let mut view = renderer.create_view(Arc::new(first), self.width, self.height)?;
         next_frame(renderer, &mut view)?;
         let first_frame_secs = started.elapsed().as_secs_f64();
         let one = renderer.read_radiance(&view)?;
 
         let (times, passes, mut non_finite, resident) = self.fly(renderer, &mut view, scene)?;
 
-        renderer.update_view(&mut view, still(64, mode))?;
-        let started = Instant::now();
-        let settled = renderer.render_still(&mut view, |_| {})?;
-        let seconds_64_samples = started.elapsed().as_secs_f64();
+        let size = (self.width, self.height);
+        let rest = Duration::from_secs_f64(self.rest_seconds);
+        let settled = shoot(renderer, scene, size, self.rest_samples, rest, 0)?;
         non_finite += settled.non_finite;
+
+        let mut converged = scene.clone();
         let masked = scene
             .geometry
             .materials
             .iter()
             .any(|material| material.alpha_cutoff.is_some());
-        let truth_mode = if masked || mode == ShadowMode::Off {
-            mode
-        } else {
-            ShadowMode::Traced
-        };
-        renderer.update_view(&mut view, still(self.truth_samples, truth_mode))?;
-        let truth = renderer.render_still(&mut view, |_| {})?;
-        non_finite += truth.non_finite;
-
-        let image = |radiance: &[[f32; 4]]| Image::from_rgba(self.width, self.height, radiance);
-        let truth_image = image(&truth.radiance)?;
-        let error = |radiance| relative_rmse_trim(&image(radiance)?, &truth_image);
+        if !masked && mode != ShadowMode::Off {
+            converged.render.shadows.mode = ShadowMode::Traced;
+        }
+        converged.render.seed = another_seed(scene.render.seed);
+        let budget = Duration::from_secs_f64(self.truth_seconds);
+        let (truth, truth_samples) =
+            settle(renderer, &converged, size, self.truth_samples, budget)?;
+        let error = |image: &Image| relative_rmse_trim_debiased(image, &truth);
+        let one = Image::from_rgba(self.width, self.height, &one)?;
         let adapter = renderer.adapter();
         Ok(Row {
             scene: name.to_owned(),
@@ -123,7 +132,7 @@ impl FrameBench {
             height: self.height,
             steps: scene.render.single_scattering.steps,
             seed: scene.render.seed,
-            frames: self.frames,
+            frames: times.len() as u32,
             first_frame_secs,
             frame_millis: Summary::of(&times),
             pass_millis: passes
@@ -131,9 +140,11 @@ impl FrameBench {
                 .map(|(name, times)| (name, Summary::of(&times)))
                 .collect(),
             error_one_sample: error(&one)?,
-            error_64_samples: error(&settled.radiance)?,
-            truth_samples: self.truth_samples,
-            seconds_64_samples,
+            rest_samples: settled.samples,
+            error_at_rest: error(&settled.image)?,
+            seconds_at_rest: settled.seconds,
+            truth_samples,
+            truth_error: estimated_error(&truth).ok().map(|e| e.relative_error_trim),
             non_finite,
             resident_after_100: resident[0],
             resident_after_all: resident[1],
@@ -155,7 +166,14 @@ impl FrameBench {
         let mut passes: Vec<(String, Vec<f64>)> = Vec::new();
         let mut non_finite = 0;
         let mut resident = [None; 2];
+        let budget = Duration::from_secs_f64(self.frames_seconds);
+        let mut began = Instant::now();
         for i in 0..WARM_UP + self.frames {
+            if i == WARM_UP {
+                began = Instant::now();
+            } else if i > WARM_UP && began.elapsed() > budget {
+                break;
+            }
             let mut moved = scene.clone();
             let angle = 0.1 * (f64::from(i) * 0.05).sin();
             let offset = moved.camera.position - moved.camera.target;
@@ -218,8 +236,15 @@ impl fmt::Display for Row {
         )?;
         writeln!(
             f,
-            "  64 samples in {:.3} s with error {:.4}; truth: {} samples, shadows traced where possible; {} non-finite",
-            self.seconds_64_samples, self.error_64_samples, self.truth_samples, self.non_finite
+            "  {} samples in {:.3} s with error {:.4}; truth: {} samples, shadows traced where possible, own \
+             error {} taken off; {} non-finite",
+            self.rest_samples,
+            self.seconds_at_rest,
+            self.error_at_rest,
+            self.truth_samples,
+            self.truth_error
+                .map_or("?".to_owned(), |error| format!("{error:.4}")),
+            self.non_finite
         )?;
         for (name, times) in &self.pass_millis {
             writeln!(

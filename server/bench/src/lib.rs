@@ -6,6 +6,7 @@
 //! technique claims; another renderer can be measured beside ([`PeerOptions`]). Results come as
 //! text ([`table`]), [`csv`], JSON (the rows) and [`html`].
 
+mod budget;
 mod error;
 mod frames;
 mod ladder;
@@ -23,6 +24,7 @@ mod suite;
 mod table;
 mod truth;
 
+pub use budget::Budget;
 pub use error::BenchError;
 pub use frames::{FrameBench, Row};
 pub use ladder::{Claim, Rung, ladder};

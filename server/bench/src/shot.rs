@@ -15,7 +15,7 @@ use crate::statistics::Summary;
 /// Longest dispatch: throughput counts here, not how soon a frame shows.
 const SLICE_BUDGET: Duration = Duration::from_millis(500);
 /// Frames before timing starts: pipelines are built at their first use.
-const WARM_UP: u32 = 2;
+pub(crate) const WARM_UP: u32 = 2;
 
 /// A picture and what it cost.
 #[derive(Debug, Clone)]
@@ -38,14 +38,16 @@ pub(crate) struct Shot {
     pub cut_short: bool,
 }
 
-/// Renders `samples` samples of `scene`, or as many as `budget` allows (at least two if so many are asked for).
+/// Renders `samples` samples of `scene`, or as many as `budget` allows (at least two if so many are
+/// asked for), after `warm_up` frames.
 pub(crate) fn shoot(
     renderer: &mut Renderer,
     scene: &Scene,
+    (width, height): (u32, u32),
     samples: u32,
     budget: Duration,
+    warm_up: u32,
 ) -> Result<Shot, BenchError> {
-    let (width, height) = (scene.render.width, scene.render.height);
     let with = |seed: u64, samples: u32| {
         let mut scene = scene.clone();
         scene.render.seed = seed;
@@ -56,7 +58,7 @@ pub(crate) fn shoot(
     let seed = scene.render.seed;
     let mut view = renderer.create_view(with(seed ^ 1, u32::MAX), width, height)?;
     view.set_slice_budget(SLICE_BUDGET);
-    for _ in 0..WARM_UP {
+    for _ in 0..warm_up {
         next_frame(renderer, &mut view)?;
     }
     let mut times = Times::default();

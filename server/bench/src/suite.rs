@@ -16,7 +16,7 @@ use crate::measures::Measures;
 use crate::memory::resident_bytes;
 use crate::peer::{self, PeerOptions, PeerPicture};
 use crate::row::{LadderRow, mark_pareto};
-use crate::shot::shoot;
+use crate::shot::{WARM_UP, shoot};
 use crate::subject::Subject;
 use crate::truth::{Truth, TruthOptions};
 
@@ -55,7 +55,7 @@ pub struct SceneResult {
     pub name: String,
     /// For display. Unit: factor of 2.
     pub exposure_ev: f32,
-    /// Truths with their claims and how they were made.
+    /// Truths with their claims and how they were made, their own error with it.
     pub truths: Vec<(Claim, Image, String)>,
     /// All rows, in the order of measurement.
     pub rows: Vec<LadderRow>,
@@ -148,7 +148,8 @@ impl Suite {
         mark_pareto(&mut result.rows);
         let kept = truths
             .into_iter()
-            .map(|(claim, truth)| (claim, truth.image, truth.origin));
+            .map(|(claim, truth)| (claim, truth.told(), truth.image))
+            .map(|(claim, told, image)| (claim, image, told));
         result.truths = kept.collect();
         Ok(result)
     }
@@ -164,7 +165,7 @@ impl Suite {
     ) -> Result<(LadderRow, Image), BenchError> {
         let scene = Self::scene(subject, size, Some(rung))?;
         let budget = Duration::from_secs_f64(self.row_seconds);
-        let shot = shoot(renderer, &scene, rung.samples, budget)?;
+        let shot = shoot(renderer, &scene, size, rung.samples, budget, WARM_UP)?;
         let claim = Claim::of(rung.technique);
         let mut row = LadderRow {
             technique: rung.technique.name().to_owned(),

@@ -12,7 +12,7 @@ use tyndall_scene::{Scene, SceneDescription, SceneEdit, apply_edit};
 
 use crate::error::BenchError;
 use crate::ladder::Claim;
-use crate::shot::shoot;
+use crate::shot::{WARM_UP, shoot};
 use crate::subject::Subject;
 
 /// Pictures of different seeds whose scatter is the variance of their mean. All take the same
@@ -21,7 +21,7 @@ const BATCHES: u32 = 8;
 /// March steps of a truth that is marched.
 const STEPS: u32 = 64;
 /// Changes whenever truths of the same settings are made otherwise.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// How truths are made.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +52,14 @@ impl Truth {
     pub fn own_error(&self) -> Option<f64> {
         let error = estimated_error(&self.image).ok()?;
         Some(error.relative_error_trim)
+    }
+
+    /// How it was made and how far it may be off.
+    pub fn told(&self) -> String {
+        match self.own_error() {
+            Some(error) => format!("{}; its own error {error:.4} is taken off", self.origin),
+            None => self.origin.clone(),
+        }
     }
 }
 
@@ -97,7 +105,8 @@ impl TruthOptions {
             let image = layers.image()?;
             return Ok(Some(Truth { image, origin }));
         }
-        let (image, taken) = self.render(renderer, &scene, samples)?;
+        let budget = Duration::from_secs_f64(self.seconds);
+        let (image, taken) = settle(renderer, &scene, (width, height), samples, budget)?;
         if let Some(file) = &file {
             let metadata = Metadata {
                 scene: subject.name.clone(),
@@ -134,8 +143,7 @@ impl TruthOptions {
         if !masked && render.shadows.mode != ShadowMode::Off {
             render.shadows.mode = ShadowMode::Traced;
         }
-        // Never the seed of what is judged.
-        render.seed = render.seed.wrapping_add(0x7472_7574) & ((1 << 53) - 1);
+        render.seed = another_seed(render.seed);
         let edit = SceneEdit {
             render: Some(render),
             ..SceneEdit::default()
@@ -146,26 +154,30 @@ impl TruthOptions {
             &edit,
         )?)
     }
+}
 
-    /// Mean of batches of different seeds, with the variance of that mean from their scatter.
-    fn render(
-        &self,
-        renderer: &mut Renderer,
-        scene: &Scene,
-        samples: u32,
-    ) -> Result<(Image, u32), BenchError> {
-        let budget = Duration::from_secs_f64(self.seconds / f64::from(BATCHES));
-        let mut batches = Vec::new();
-        let mut taken = 0;
-        for batch in 0..BATCHES {
-            let mut scene = scene.clone();
-            scene.render.seed = scene.render.seed.wrapping_add(u64::from(batch) * 2);
-            let shot = shoot(renderer, &scene, samples / BATCHES, budget)?;
-            taken += shot.samples;
-            batches.push(shot.image);
-        }
-        Ok((mean_of_batches(&batches)?, taken))
+/// Mean of batches of different seeds, with the variance of that mean from their scatter, and the samples
+/// it took.
+pub(crate) fn settle(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    size: (u32, u32),
+    samples: u32,
+    budget: Duration,
+) -> Result<(Image, u32), BenchError> {
+    let mut batches = Vec::new();
+    let mut taken = 0;
+    for batch in 0..BATCHES {
+        let mut scene = scene.clone();
+        scene.render.seed = scene.render.seed.wrapping_add(u64::from(batch) * 2);
+        // Pipelines stand after the first batch, and no batch is timed.
+        let warm_up = if batch == 0 { WARM_UP } else { 0 };
+        let samples = samples.div_ceil(BATCHES);
+        let shot = shoot(renderer, &scene, size, samples, budget / BATCHES, warm_up)?;
+        taken += shot.samples;
+        batches.push(shot.image);
     }
+    Ok((mean_of_batches(&batches)?, taken))
 }
 
 /// Mean of independent pictures and its variance, s²/n.
@@ -185,6 +197,11 @@ fn mean_of_batches(batches: &[Image]) -> Result<Image, BenchError> {
     }
     let image = Image::new(batches[0].width(), batches[0].height(), mean)?;
     Ok(image.with_variance(variance)?)
+}
+
+/// Never the seed of what is judged: shared noise would hide error.
+pub(crate) fn another_seed(seed: u64) -> u64 {
+    seed.wrapping_add(0x7472_7574) & ((1 << 53) - 1)
 }
 
 /// Hashes of the files that the description names. Files that those name in turn (the buffers of a

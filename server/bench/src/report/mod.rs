@@ -34,8 +34,9 @@ pub fn html(machine: &Machine, scenes: &[SceneResult]) -> Result<String, BenchEr
         machine.commit
     );
     page += "<p>Error: relative RMSE without the worst 0.1&nbsp;% of pixels, the truth's own variance \
-             taken off. Time: wall clock, pipelines and kernels built before. Rings mark what nothing \
-             else beats in both. Down and left is better.</p>\n";
+             taken off; of errors far below the truth's own little is known. FLIP sees the truth's noise, too. \
+             Time: wall clock, pipelines and kernels built before. Rings mark what nothing else beats in \
+             both. Down and left is better.</p>\n";
     for scene in scenes {
         self::scene(&mut page, scene)?;
     }

@@ -8,7 +8,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use tyndall_bench::{
-    FrameBench, Machine, PeerOptions, Row, SceneResult, Subject, Suite, TruthOptions,
+    Budget, FrameBench, Machine, PeerOptions, Row, SceneResult, Subject, Suite, TruthOptions,
     default_cache, efficiencies, table,
 };
 use tyndall_render::{Device, Renderer};
@@ -30,20 +30,21 @@ enum Peer {
 pub struct Bench {
     /// Presets, scene files or pm-ref/1 files; all presets without any.
     scenes: Vec<String>,
-    /// Small pictures and short ladders: minutes on a software driver.
+    /// Small pictures, short ladders and little time for each: the presets in less than 5 minutes on a
+    /// software driver.
     #[arg(long)]
     quick: bool,
     /// Techniques to measure, by their JSON names.
     #[arg(long, value_delimiter = ',', value_parser = scene_argument::technique,
           default_value = "single_scattering,reference")]
     techniques: Vec<Technique>,
-    /// Largest width in pixels; scenes keep their shape. 640, quick: 160.
+    /// Largest width in pixels; scenes keep their shape. 640, quick: 128.
     #[arg(long)]
     width: Option<u32>,
-    /// Largest height in pixels. 360, quick: 120.
+    /// Largest height in pixels. 360, quick: 96.
     #[arg(long)]
     height: Option<u32>,
-    /// Longest time of a row: 10, 10s, 500ms or 2m. 60s, quick: 4s.
+    /// Longest time of a row: 10, 10s, 500ms or 2m. 60s, quick: 2s at most.
     #[arg(long, value_parser = scene_argument::seconds)]
     row_time: Option<f64>,
     /// What makes the truth; anything but reference only knows the paths that it claims.
@@ -52,7 +53,7 @@ pub struct Bench {
     /// Samples of a truth. 4096, quick: 512.
     #[arg(long)]
     truth_samples: Option<u32>,
-    /// Longest time of a truth. 10m, quick: 20s.
+    /// Longest time of a truth. 10m, quick: 5s at most.
     #[arg(long, value_parser = scene_argument::seconds)]
     truth_time: Option<f64>,
     /// Judge pm-ref scenes by their published images (`../data/ref_NAME_full.npz` and `_single.npz`).
@@ -106,13 +107,18 @@ impl Bench {
             .iter()
             .map(|name| subject(name))
             .collect::<anyhow::Result<Vec<_>>>()?;
-        let suite = self.suite();
+        let budget = if self.quick {
+            Budget::quick(subjects.len())
+        } else {
+            Budget::thorough()
+        };
+        let suite = self.suite(&budget);
         let mut renderer = Renderer::new(Device::open(&self.device.options())?)?;
         let bar = self.bar(suite.steps() * subjects.len() as u64)?;
         let mut results = Vec::new();
         for subject in &subjects {
             bar.set_message(format!("{}: frames in motion", subject.name));
-            let (motion, refused) = match self.motion(&mut renderer, subject) {
+            let (motion, refused) = match self.motion(&mut renderer, subject, &budget) {
                 Ok(motion) => (motion, None),
                 Err(error) => (None, Some(format!("frames in motion: {error}"))),
             };
@@ -134,12 +140,11 @@ impl Bench {
         self.write(&Machine::of(&renderer), &results)
     }
 
-    fn suite(&self) -> Suite {
-        let pick = |quick, full| if self.quick { quick } else { full };
-        let row_seconds = self.row_time.unwrap_or(pick(4.0, 60.0));
+    fn suite(&self, budget: &Budget) -> Suite {
+        let row_seconds = self.row_time.unwrap_or(budget.row);
         let largest = (
-            self.width.unwrap_or(if self.quick { 160 } else { 640 }),
-            self.height.unwrap_or(if self.quick { 120 } else { 360 }),
+            self.width.unwrap_or(if self.quick { 128 } else { 640 }),
+            self.height.unwrap_or(if self.quick { 96 } else { 360 }),
         );
         let peer = self.peer.map(|Peer::Mitsuba| PeerOptions {
             python: self.peer_python.clone(),
@@ -162,7 +167,7 @@ impl Bench {
                 samples: self
                     .truth_samples
                     .unwrap_or(if self.quick { 512 } else { 4096 }),
-                seconds: self.truth_time.unwrap_or(pick(20.0, 600.0)),
+                seconds: self.truth_time.unwrap_or(budget.truth),
                 cache: self.cache.clone().or_else(default_cache),
                 published: self.published_truth,
             },
@@ -170,16 +175,25 @@ impl Bench {
         }
     }
 
-    fn motion(&self, renderer: &mut Renderer, subject: &Subject) -> anyhow::Result<Option<Row>> {
+    fn motion(
+        &self,
+        renderer: &mut Renderer,
+        subject: &Subject,
+        budget: &Budget,
+    ) -> anyhow::Result<Option<Row>> {
         let frames = self.frames.unwrap_or(if self.quick { 20 } else { 100 });
         if frames == 0 {
             return Ok(None);
         }
         let bench = FrameBench {
-            width: self.width.unwrap_or(if self.quick { 160 } else { 640 }),
-            height: self.height.unwrap_or(if self.quick { 90 } else { 360 }),
+            width: self.width.unwrap_or(if self.quick { 128 } else { 640 }),
+            height: self.height.unwrap_or(if self.quick { 72 } else { 360 }),
             frames,
-            truth_samples: if self.quick { 64 } else { 256 },
+            frames_seconds: budget.frames,
+            rest_samples: 64,
+            rest_seconds: budget.rest,
+            truth_samples: 256,
+            truth_seconds: budget.motion_truth,
         };
         Ok(Some(bench.run(
             renderer,
