@@ -51,6 +51,7 @@ except Exception as error:  # noqa: BLE001: whatever it is, it is said
     fail("variant %s: %s" % (job["variant"], error))
 mi.set_log_level(mi.LogLevel.Error)
 T = mi.ScalarTransform4f
+import surfaces  # noqa: E402: needs the variant
 
 
 def rgb(values):
@@ -66,22 +67,6 @@ def volume(values):
     if grey(values):
         return {"type": "constvolume", "value": float(values[0])}
     return {"type": "constvolume", "value": rgb(values)}
-
-
-def write_ply(mesh, index):
-    positions = np.fromfile(os.path.join(FOLDER, mesh["positions"]), "<f4").reshape(-1, 3)
-    triangles = np.fromfile(os.path.join(FOLDER, mesh["indices"]), "<u4").reshape(-1, 3)
-    path = os.path.join(FOLDER, "mesh%d.ply" % index)
-    faces = np.empty(len(triangles), dtype=[("n", "u1"), ("v", "<u4", 3)])
-    faces["n"], faces["v"] = 3, triangles
-    with open(path, "wb") as file:
-        header = (
-            "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\n"
-            "property float y\nproperty float z\nelement face %d\n"
-            "property list uchar uint vertex_indices\nend_header\n" % (len(positions), len(triangles))
-        )
-        file.write(header.encode() + positions.tobytes() + faces.tobytes())
-    return path
 
 
 def medium(entry):
@@ -117,6 +102,45 @@ def medium(entry):
     }
 
 
+def spot(light):
+    """Mitsuba's falloff is linear in the angle, glTF's is the square of a ramp in the cosine: a picture of
+    that, projected, stands in front of a cone of even light."""
+    inner, outer = light["inner_angle"], light["outer_angle"]
+    side = 2048
+    at = ((np.arange(side) + 0.5) / side * 2 - 1) * np.tan(outer)
+    cosine = 1 / np.sqrt(1 + at[:, None] ** 2 + at[None, :] ** 2)
+    ramp = (cosine - np.cos(outer)) / (np.cos(inner) - np.cos(outer))
+    position, axis = np.array(light["position"]), np.array(light["direction"])
+    up = [0, 0, 1] if abs(axis[1]) > 0.9 else [0, 1, 0]
+    return {
+        "type": "spot",
+        "intensity": rgb(light["intensity"]),
+        "cutoff_angle": float(np.degrees(outer)),
+        "beam_width": float(np.degrees(outer)) * (1 - 1e-4),
+        "texture": surfaces.bitmap(np.clip(ramp, 0, 1)[..., None] ** 2, ("clamp", "clamp")),
+        "to_world": T().look_at(origin=list(position), target=list(position + axis), up=up),
+    }
+
+
+def sky(light):
+    """Tyndall's rows are the middles of their rings, Mitsuba's run from pole to pole: a finer map that has
+    all lines of both lattices is the same bilinear function."""
+    width, height = light["width"], light["height"]
+    pixels = np.fromfile(os.path.join(FOLDER, light["file"]), "<f4").reshape(height, width, 3)
+    pixels = pixels.astype(np.float64) * light["radiance"]
+    rows = np.clip(np.arange(2 * height + 1) / 2 - 0.5, 0, height - 1)
+    low = np.clip(rows.astype(int), 0, max(height - 2, 0))
+    f = (rows - low)[:, None, None]
+    fine = pixels[low] * (1 - f) + pixels[np.minimum(low + 1, height - 1)] * f
+    columns = (np.arange(3 * width) + 0.5) / 3 - 0.5
+    low = np.floor(columns).astype(int)
+    f = (columns - low)[None, :, None]
+    fine = fine[:, low % width] * (1 - f) + fine[:, (low + 1) % width] * f
+    # The centre column of Mitsuba's maps looks along +Z.
+    turn = T().rotate([0, 1, 0], float(np.degrees(light["rotation"])) + 180)
+    return {"type": "envmap", "bitmap": mi.Bitmap(fine.astype(np.float32)), "to_world": turn}
+
+
 def build():
     scene = {"type": "scene"}
     for i, entry in enumerate(job["media"]):
@@ -129,14 +153,7 @@ def build():
                 "bsdf": {"type": "null"},
                 "interior": {"type": "ref", "id": "medium%d" % i},
             }
-    for i, mesh in enumerate(job["meshes"]):
-        bsdf = {"type": "diffuse", "reflectance": rgb(mesh["reflectance"])}
-        if mesh["two_sided"]:
-            bsdf = {"type": "twosided", "inner": bsdf}
-        shape = {"type": "ply", "filename": write_ply(mesh, i), "face_normals": True, "bsdf": bsdf}
-        if max(mesh["emission"]) > 0:
-            shape["emitter"] = {"type": "area", "radiance": rgb(mesh["emission"])}
-        scene["mesh%d" % i] = shape
+    scene.update(surfaces.build(job, FOLDER))
     for i, light in enumerate(job["lights"]):
         if light["kind"] == "point":
             plugin = {
@@ -150,6 +167,10 @@ def build():
                 "direction": light["direction"],
                 "irradiance": rgb(light["irradiance"]),
             }
+        elif light["kind"] == "spot":
+            plugin = spot(light)
+        elif light["kind"] == "environment":
+            plugin = sky(light)
         else:
             plugin = {"type": "constant", "radiance": rgb(light["radiance"])}
         scene["light%d" % i] = plugin

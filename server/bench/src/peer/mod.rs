@@ -1,7 +1,8 @@
 //! Another renderer, given the same scene: Mitsuba 3 as a `python3` process.
 //!
 //! Needs the `PyPI` packages `mitsuba` (and `pyoidn` to denoise) and Debian's `libllvm19`; LLVM 14 is
-//! refused and 15 aborts. Kernels are compiled before timing starts.
+//! refused and 15 aborts. Kernels are compiled before timing starts. Surfaces with metal or gloss are a
+//! BSDF of our own there, written from glTF's specification: they need one of its compiled variants.
 
 mod export;
 
@@ -18,8 +19,11 @@ use tyndall_scene::Scene;
 use crate::error::BenchError;
 use crate::ladder::Claim;
 
-/// The script, as it is run.
-const SCRIPT: &str = include_str!("mitsuba.py");
+/// The script, and what it imports, as they are run.
+const SCRIPTS: [(&str, &str); 2] = [
+    ("mitsuba_job.py", include_str!("mitsuba.py")),
+    ("surfaces.py", include_str!("surfaces.py")),
+];
 /// Name in messages.
 const PEER: &str = "mitsuba";
 /// Lines of the script's standard error that a message shows.
@@ -114,12 +118,13 @@ pub(crate) fn run(
     if let (Value::Object(job), Value::Object(settings)) = (&mut job, settings) {
         job.extend(settings);
     }
-    let script = folder.path().join("mitsuba_job.py");
-    let job_file = folder.path().join("job.json");
-    for (file, text) in [(&script, SCRIPT), (&job_file, &job.to_string())] {
-        std::fs::write(file, text).map_err(|source| BenchError::io(file, source))?;
+    let job = job.to_string();
+    for (name, text) in SCRIPTS.into_iter().chain([("job.json", job.as_str())]) {
+        let file = folder.path().join(name);
+        std::fs::write(&file, text).map_err(|source| BenchError::io(file, source))?;
     }
-    talk(options, &script, &job_file, remarks)
+    let script = folder.path().join(SCRIPTS[0].0);
+    talk(options, &script, &folder.path().join("job.json"), remarks)
 }
 
 fn talk(
