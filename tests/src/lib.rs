@@ -4,6 +4,7 @@ pub mod chi_squared;
 pub mod conventions;
 pub mod estimate;
 pub mod gpu;
+pub mod grid_file;
 pub mod npz;
 pub use tyndall_bench::pm_ref;
 pub mod published;

@@ -5,49 +5,16 @@
 
 #![allow(clippy::print_stdout, reason = "helper functions of tests")]
 
-use std::path::PathBuf;
-
 use serde_json::{Value, json};
 use tyndall_tests::estimate::{self, Estimate};
 use tyndall_tests::gpu;
-
-/// A temporary folder, gone with the value.
-struct Folder(PathBuf);
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        if let Err(error) = std::fs::remove_dir_all(&self.0) {
-            println!("{}: {error}", self.0.display());
-        }
-    }
-}
-
-/// A `NumPy` file of `samples`³ values in a folder of its own.
-fn folder(name: &str, samples: usize, value: impl Fn(usize) -> f32) -> Folder {
-    let folder = std::env::temp_dir().join(format!("tyndall-grids-{}-{name}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a temporary folder");
-    let mut header = format!(
-        "{{'descr': '<f4', 'fortran_order': False, 'shape': ({samples}, {samples}, {samples}), }}"
-    );
-    while (header.len() + 11) % 64 != 0 {
-        header.push(' ');
-    }
-    header.push('\n');
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    for i in 0..samples.pow(3) {
-        bytes.extend(value(i).to_le_bytes());
-    }
-    std::fs::write(folder.join("grid.npy"), bytes).expect("a temporary file");
-    Folder(folder)
-}
+use tyndall_tests::grid_file::{Folder, folder};
 
 fn render(scene: &Value, folder: Option<&Folder>) -> Estimate {
     let description =
         tyndall_scene::SceneDescription::from_json(&scene.to_string()).expect("the scene parses");
-    let built = tyndall_scene::build(description, folder.map(|folder| folder.0.as_path()))
-        .expect("the scene is valid");
+    let built =
+        tyndall_scene::build(description, folder.map(Folder::path)).expect("the scene is valid");
     let still = estimate::with_renderer(|renderer| gpu::render(renderer, built.scene));
     assert_eq!(still.truncated, 0, "truncated paths");
     Estimate::of_pixels(&still)

@@ -9,5 +9,6 @@
 
 mod airlight;
 mod cubes;
+mod glowing_shell;
 mod point_source;
 mod slabs;

@@ -52,13 +52,13 @@ fn scattered_fluence(r: f64, albedo: f64, g: f64, samples: u32, seed: u32) -> Es
 #[test]
 fn fluence_about_a_point_source_is_what_photons_deposit() {
     // algorithms §7.5, bins [r, r + 0.1]: the function is straight enough that the middle is the mean.
-    // Its own noise: some 2e5 paths a bin for albedo 0.9. Forward scattering from farther away is left
-    // out: rays that happen to pass a point have a variance that no number of samples settles.
+    // Its own noise: some 2e5 paths a bin for albedo 0.9. Forward scattering is left to
+    // `glowing_shell.rs`: rays that happen to pass a point have a variance that no number of samples
+    // settles.
     let table = [
         (0.9, 0.0, 0.9, 1.782),
         (0.9, 0.0, 1.9, 1.876),
         (0.9, 0.0, 4.9, 0.932),
-        (0.9, 0.9, 0.9, 0.960),
     ];
     for (seed, (albedo, g, bin, expected)) in table.into_iter().enumerate() {
         let r: f64 = bin + 0.05;
