@@ -1,6 +1,6 @@
 //! The path tracer against Mitsuba where surfaces have textures: base colour under every wrap mode,
-//! metallic-roughness, normal maps, cut-outs (one of them shines), an environment map that is turned;
-//! each in vacuum and in fog. The truths, how they are made and what they leave out: `tests/data/surface_truths`.
+//! metallic-roughness, normal maps, cut-outs (one of them shines), an environment map that is turned, each
+//! in vacuum and in fog; textures that are turned, scaled or on the second set of coordinates. The truths, how they are made and what they leave out: `tests/data/surface_truths`.
 //!
 //! Stated bound: z-scores of 4×4 blocks with both variances, 192 blocks of three channels. If the
 //! channels knew all of one another the deviation would scatter by 1/√(2·192) = 0.05 about 1; 1.25 is
@@ -108,6 +108,11 @@ fn normal_maps_agree() {
 #[test]
 fn normal_maps_agree_in_fog() {
     agrees("normal_map_fog", 64);
+}
+
+#[test]
+fn textures_agree_where_they_are_turned_or_on_the_second_coordinates() {
+    agrees("placements", 64);
 }
 
 #[test]

@@ -167,6 +167,23 @@ SCENES = {
             lamp(-0.6),
         ],
     },
+    # As normal_map: one scattering, from above.
+    "placements": {
+        "camera": ABOVE,
+        "in_fog": False,
+        "max_scatterings": 1,
+        "quads": [
+            quad([-2, 0, 0], [1.9, 0, 0], [0, 0, -1.9], base="base_color", wrap="repeat",
+                 transform={"offset": [0.3, -0.2], "scale": [1.4, 0.8], "rotation": 0.7}),
+            # On the second set; the first would show it mirrored and halved.
+            quad([0.1, 0, 0], [1.9, 0, 0], [0, 0, -1.9], base="base_color", wrap="repeat", second_set=True),
+            quad([-2, 0, 2], [1.9, 0, 0], [0, 0, -1.9], normal="normal", wrap="repeat",
+                 transform={"offset": [0.1, 0.4], "scale": [1.5, 1.0], "rotation": 0.9}),
+            quad([0.1, 0, 2], [1.9, 0, 0], [0, 0, -1.9], normal="normal", wrap="repeat", second_set=True,
+                 base="base_color", transform={"scale": [1.0, 1.5], "rotation": -0.4}),
+            lamp(-0.6),
+        ],
+    },
     "cut_out": {
         "camera": FRONT,
         "quads": [
@@ -240,6 +257,8 @@ def write_gltf(name, scene):
         info = {"index": index(textures, {"sampler": sampler, "source": source})}
         if "transform" in q:
             info["extensions"] = {"KHR_texture_transform": q["transform"]}
+        if q.get("second_set"):
+            info["texCoord"] = 1
         return info
 
     for q in scene["quads"]:
@@ -273,6 +292,11 @@ def write_gltf(name, scene):
             "indices": accessor(np.array(order, np.uint32), 5125, "SCALAR"),
             "material": len(materials) - 1,
         }
+        if q.get("second_set"):
+            attributes = primitive["attributes"]
+            attributes["TEXCOORD_1"] = attributes["TEXCOORD_0"]
+            decoy = (texcoords[:, ::-1] * 0.5).astype(np.float32)
+            attributes["TEXCOORD_0"] = accessor(decoy, 5126, "VEC2")
         meshes.append({"primitives": [primitive]})
     document = {
         "asset": {"version": "2.0"},
@@ -419,6 +443,15 @@ def resolved(alpha, side=4096):
     return rows[:, low] * (1 - f) + rows[:, high] * f
 
 
+def placed(texcoords, q):
+    """KHR_texture_transform: scale, then rotation counter-clockwise in the image, then offset. So its example
+    is the image's lower left quadrant: offset (0, 1), rotation 90°, scale ½ take the unit square there."""
+    t = q.get("transform", {})
+    sin, cos = np.sin(t.get("rotation", 0.0)), np.cos(t.get("rotation", 0.0))
+    rotation = np.array([[cos, sin], [-sin, cos]])
+    return (texcoords * t.get("scale", [1, 1])) @ rotation.T + t.get("offset", [0, 0])
+
+
 def mitsuba_bsdf(q):
     color = np.array(q.get("color", [1, 1, 1]), float)
     wrap = q.get("wrap", "repeat")
@@ -439,6 +472,7 @@ def mitsuba_bsdf(q):
         scale = q.get("normal_scale", 1.0)
         texels = (TEXTURES[q["normal"]] / 255.0 * 2 - 1) * [scale, scale, 1]
         positions, texcoords, order, normal = outline(q)
+        texcoords = placed(texcoords, q)
         a, b, c = order[:3]
         d1, d2 = texcoords[b] - texcoords[a], texcoords[c] - texcoords[a]
         # glTF's bitangent points up in the image, Mitsuba's is normal × tangent: where the image is
@@ -457,8 +491,7 @@ def mitsuba_bsdf(q):
 
 def mitsuba_quad(q):
     positions, texcoords, order, normal = outline(q)
-    if "transform" in q:
-        texcoords = texcoords * q["transform"]["scale"] + q["transform"]["offset"]
+    texcoords = placed(texcoords, q)
     props = mi.Properties()
     props["bsdf"] = mi.load_dict(mitsuba_bsdf(q))
     if "emission" in q:
@@ -510,6 +543,12 @@ def check_sky():
         si.wi = mi.Vector3f(*[-float(c) for c in d])
         found = np.array(emitter.eval(si)).ravel()
         assert np.allclose(found, pixels[y, x], rtol=1e-3), (x, y, found, pixels[y, x])
+
+
+def check_placement():
+    q = {"transform": {"offset": [0, 1], "rotation": np.pi / 2, "scale": [0.5, 0.5]}}
+    found = placed(np.array([[0, 0], [1, 1]], float), q)
+    assert np.allclose(found, [[0, 1], [0.5, 0.5]]), found
 
 
 def check_texture():
@@ -582,13 +621,14 @@ def render(name, scene, fog):
 def main():
     names = sys.argv[1:] or list(SCENES)
     check_texture()
+    check_placement()
     check_sky()
     for image, texels in TEXTURES.items():
         mi.Bitmap(texels).write(f"{HERE}/{image}.png")
     mi.Bitmap(sky_map()).write(f"{HERE}/sky.exr")
     for name in names:
         write_gltf(name, SCENES[name])
-        for fog in (False, True):
+        for fog in (False, True) if SCENES[name].get("in_fog", True) else (False,):
             write_json(name, SCENES[name], fog)
             render(name, SCENES[name], fog)
 

@@ -1,6 +1,9 @@
 //! The outermost layer of a file: GLB chunks or plain JSON.
 
 use gltf::json::Root;
+use gltf::json::extensions::texture::Info;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::File;
 use crate::error::SceneError;
@@ -8,8 +11,29 @@ use crate::error::SceneError;
 /// A parsed file before its buffers.
 pub(super) struct Container {
     pub(super) root: Root,
+    /// Extensions of each material's normal texture, which the crate reads of other textures only.
+    pub(super) normal_extensions: Vec<Option<Info>>,
     /// The BIN chunk of a GLB.
     pub(super) blob: Option<Vec<u8>>,
+}
+
+/// The part of a file that [`Root`] leaves out.
+#[derive(Deserialize)]
+struct LeftOut {
+    #[serde(default)]
+    materials: Vec<LeftOutMaterial>,
+}
+
+#[derive(Deserialize)]
+struct LeftOutMaterial {
+    #[serde(default, rename = "normalTexture")]
+    normal_texture: Option<LeftOutTexture>,
+}
+
+#[derive(Deserialize)]
+struct LeftOutTexture {
+    #[serde(default)]
+    extensions: Option<Info>,
 }
 
 /// Length of the header of a GLB and of the header of a chunk. Unit: byte.
@@ -19,8 +43,7 @@ const CHUNK_HEADER: usize = 8;
 /// Reads a `.glb` by its magic, anything else as JSON.
 pub(super) fn read(file: &File, bytes: &[u8]) -> Result<Container, SceneError> {
     if !bytes.starts_with(b"glTF") {
-        let root = parse(file, bytes)?;
-        return Ok(Container { root, blob: None });
+        return both(file, bytes, None);
     }
     let word = |at: usize| -> Option<usize> {
         let word = bytes.get(at..at.checked_add(4)?)?;
@@ -55,7 +78,7 @@ pub(super) fn read(file: &File, bytes: &[u8]) -> Result<Container, SceneError> {
         })?;
         let kind = &bytes[at + 4..start];
         match (kind, &json, &blob) {
-            (b"JSON", None, _) => json = Some(parse(file, &bytes[start..end])?),
+            (b"JSON", None, _) => json = Some(&bytes[start..end]),
             (b"BIN\0", Some(_), None) => blob = Some(bytes[start..end].to_vec()),
             (_, None, _) => return Err(refused("the first chunk is not JSON")),
             // Others are to be ignored.
@@ -63,11 +86,23 @@ pub(super) fn read(file: &File, bytes: &[u8]) -> Result<Container, SceneError> {
         }
         at = end.next_multiple_of(4);
     }
-    let root = json.ok_or_else(|| refused("there is no JSON chunk"))?;
-    Ok(Container { root, blob })
+    let json = json.ok_or_else(|| refused("there is no JSON chunk"))?;
+    both(file, json, blob)
 }
 
-fn parse(file: &File, bytes: &[u8]) -> Result<Root, SceneError> {
+/// What the crate reads of the JSON, and what it leaves out.
+fn both(file: &File, json: &[u8], blob: Option<Vec<u8>>) -> Result<Container, SceneError> {
+    let root = parse(file, json)?;
+    let left_out: LeftOut = parse(file, json)?;
+    let extensions = |material: LeftOutMaterial| material.normal_texture?.extensions;
+    Ok(Container {
+        root,
+        normal_extensions: left_out.materials.into_iter().map(extensions).collect(),
+        blob,
+    })
+}
+
+fn parse<T: DeserializeOwned>(file: &File, bytes: &[u8]) -> Result<T, SceneError> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let path = error.path().to_string();

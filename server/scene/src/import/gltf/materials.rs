@@ -49,10 +49,12 @@ impl Materials {
                     .file
                     .element(materials, "materials", index, location)?;
                 let location = format!("materials[{index}]");
+                let extensions = document.normal_extensions.get(index);
                 Converter {
                     document,
                     importer,
                     location,
+                    normal_extensions: extensions.cloned().flatten(),
                 }
                 .material(found)?
             }
@@ -69,6 +71,8 @@ struct Converter<'a, 'i> {
     document: &'a Document<'a>,
     importer: &'a mut Importer<'i>,
     location: String,
+    /// What the crate does not read.
+    normal_extensions: Option<gltf::json::extensions::texture::Info>,
 }
 
 impl Converter<'_, '_> {
@@ -101,8 +105,7 @@ impl Converter<'_, '_> {
                 let info = Info {
                     index: normal.index,
                     tex_coord: normal.tex_coord,
-                    // The crate does not read a transform here.
-                    extensions: None,
+                    extensions: self.normal_extensions.clone(),
                     extras: normal.extras.clone(),
                 };
                 if !normal.scale.is_finite() || normal.scale.abs() > 1e3 {

@@ -48,6 +48,7 @@ pub(super) fn import(
     let document = Document {
         file: &file,
         root: &root,
+        normal_extensions: &container.normal_extensions,
         buffers: &buffers,
     };
     note_left_out(importer, &document);
@@ -98,6 +99,8 @@ impl File<'_> {
 struct Document<'a> {
     file: &'a File<'a>,
     root: &'a Root,
+    /// Of each material's normal texture.
+    normal_extensions: &'a [Option<gltf::json::extensions::texture::Info>],
     buffers: &'a Buffers,
 }
 
@@ -138,10 +141,41 @@ fn note_left_out(importer: &mut Importer, document: &Document) {
     if morphs.clone().any(|primitive| primitive.targets.is_some()) {
         importer.warn(format!("{name}: morph targets left out"));
     }
+    if root.samplers.iter().any(picks_texels) {
+        importer.warn(format!(
+            "{name}: NEAREST filters left out: textures are interpolated"
+        ));
+    }
     for extension in &root.extensions_used {
         if !KNOWN.contains(&extension.as_str()) {
             let extension = crate::description::parse::abbreviate(extension);
             importer.warn(format!("{name}: extension \"{extension}\" left out"));
         }
+    }
+}
+
+/// Whether a sampler takes the nearest texel instead of interpolating.
+fn picks_texels(sampler: &gltf::json::texture::Sampler) -> bool {
+    use gltf::json::texture::{MagFilter, MinFilter};
+    use gltf::json::validation::Checked::Valid;
+    let near = sampler.mag_filter == Some(Valid(MagFilter::Nearest));
+    let far = matches!(
+        sampler.min_filter,
+        Some(Valid(
+            MinFilter::Nearest | MinFilter::NearestMipmapNearest | MinFilter::NearestMipmapLinear
+        ))
+    );
+    near || far
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_samplers_that_interpolate_go_unremarked() {
+        let picks = |json: &str| picks_texels(&serde_json::from_str(json).unwrap());
+        assert!(!picks("{}") && !picks(r#"{"magFilter": 9729, "minFilter": 9987}"#));
+        assert!(picks(r#"{"magFilter": 9728}"#) && picks(r#"{"minFilter": 9986}"#));
     }
 }
