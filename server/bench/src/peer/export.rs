@@ -188,10 +188,10 @@ mod tests {
     #[test]
     fn what_the_peer_can_not_be_given_is_named() {
         let spot = json!([{"kind": "spot", "position": [0, 1, 0], "direction": [0, -1, 0],
-            "intensity": 1, "outer_angle_degrees": 85}]);
+            "intensity": 1, "outer_angle_degrees": 89.8}]);
         let error = exported(&room(&spot, &json!([]))).unwrap_err();
         assert!(
-            error.contains("lights[0]") && error.contains("85"),
+            error.contains("lights[0]") && error.contains("90"),
             "{error}"
         );
         let glow = json!([{"kind": "homogeneous", "sigma_t": 0.5, "albedo": 0.5, "emission": 1,

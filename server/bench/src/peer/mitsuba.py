@@ -106,7 +106,7 @@ def spot(light):
     """Mitsuba's falloff is linear in the angle, glTF's is the square of a ramp in the cosine: a picture of
     that, projected, stands in front of a cone of even light."""
     inner, outer = light["inner_angle"], light["outer_angle"]
-    side = 2048
+    side = 2048 if outer < 1.4 else 4096
     at = ((np.arange(side) + 0.5) / side * 2 - 1) * np.tan(outer)
     cosine = 1 / np.sqrt(1 + at[:, None] ** 2 + at[None, :] ** 2)
     ramp = (cosine - np.cos(outer)) / (np.cos(inner) - np.cos(outer))

@@ -9,7 +9,7 @@ use crate::error::BenchError;
 /// A radius above this is worth a word: the peer's lights are points. Unit: m.
 const POINT: f32 = 1e-3;
 /// The peer's spots project a picture of the falloff, flat across the cone. Unit: radian.
-const WIDEST_SPOT: f32 = 1.4;
+const WIDEST_SPOT: f32 = 1.56;
 /// Columns of the largest environment map: the peer is given one six times as large.
 const WIDEST_MAP: u32 = 2048;
 
