@@ -298,12 +298,9 @@ impl Image {
         self.redisplay = false;
     }
 
-    /// Position of the next sample inside its pixel, [0, 1)²: the centre first, then the R2
-    /// sequence (Roberts 2018), which fills the square evenly for every prefix.
+    /// Position of the next sample inside its pixel, [0, 1)²: the centre first.
     pub fn pixel_offset(&self) -> [f32; 2] {
-        let n = f64::from(self.base_samples);
-        let place = |step: f64| (0.5 + n * step).fract() as f32;
-        [place(0.754_877_666_246_693), place(0.569_840_290_998_053_3)]
+        crate::pixel_offsets::pixel_offset(self.base_samples)
     }
 }
 

@@ -13,6 +13,7 @@ mod error;
 mod frame;
 mod gpu_scene;
 mod image;
+mod pixel_offsets;
 mod plan;
 #[cfg(feature = "probe")]
 pub mod probe;
