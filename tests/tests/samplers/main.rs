@@ -11,6 +11,7 @@ mod directions;
 mod distances;
 mod lights;
 mod sobol;
+mod triangles;
 
 use std::sync::LazyLock;
 
@@ -32,6 +33,7 @@ pub enum Which {
     Triangle,
     Equiangular,
     Bsdf,
+    SphericalTriangle,
     Reservoir,
 }
 

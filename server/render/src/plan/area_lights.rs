@@ -22,6 +22,8 @@ fn without_area_lights(facts: &SceneFacts) -> Option<&'static str> {
 
 /// Points of a ray, of each kind, at which area lights are looked at.
 const AREA_STRATA: u32 = 8;
+/// Directions toward emitters that a shadow ray is the best of.
+const CANDIDATES: u32 = 4;
 
 /// As many points as the march has strata, but few: each costs a shadow ray. Even: half of them are
 /// of one kind where there are two.
@@ -32,7 +34,8 @@ pub(crate) fn area_strata(
 ) -> u32 {
     // A shadow ray visits tens of nodes; the bound leaves room for hundreds. Each point may lie in any
     // medium, and there are two kinds of lights.
-    let per_point = 2 * (400 + 12 * facts.media.max(1) as u32);
+    let media = 12 * facts.media.max(1) as u32;
+    let per_point = 2 * (400 + media) + CANDIDATES * (32 + media);
     let most = limits
         .loop_cap
         .map_or(u32::MAX, |cap| cap / (2 * per_point));
