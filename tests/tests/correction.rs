@@ -1,5 +1,7 @@
 //! The corrected picture against the published images of two independent path tracers, with real samples.
 
+#![allow(clippy::print_stdout, reason = "tests print what they measure")]
+
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -59,7 +61,11 @@ fn climb(name: &str, label: &str, settings: fn(&mut Scene)) -> Option<Vec<Rung>>
         let nothing = vec![[0.0; 4]; traced.len()];
         let rung = Rung {
             traced: error(traced, &still, &truth.image),
-            base: error(still.base.as_ref().unwrap_or(&nothing), &still, &truth.image),
+            base: error(
+                still.base.as_ref().unwrap_or(&nothing),
+                &still,
+                &truth.image,
+            ),
             corrected: error(&still.radiance, &still, &truth.image),
             expected: f64::from(still.frame.stats.estimated_error.expect("an estimate")),
             whole: tyndall_metrics::relative_rmse_debiased(&gpu::image(&still), &truth.image)
@@ -275,8 +281,14 @@ fn hostile_pictures_stay_finite() {
     for (width, height) in [(1, 1), (2, 1), (1, 7), (3, 3), (17, 5), (33, 64)] {
         for samples in [1, 2, 5] {
             for (label, media) in [
-                ("thin", serde_json::json!([{"kind": "homogeneous", "sigma_s": [1e-9, 1e-9, 1e-9], "sigma_a": [0.0, 0.0, 0.0]}])),
-                ("dense", serde_json::json!([{"kind": "homogeneous", "sigma_s": [100.0, 10.0, 1e4], "sigma_a": [20.0, 5.0, 2e3], "g": 0.99}])),
+                (
+                    "thin",
+                    serde_json::json!([{"kind": "homogeneous", "sigma_s": [1e-9, 1e-9, 1e-9], "sigma_a": [0.0, 0.0, 0.0]}]),
+                ),
+                (
+                    "dense",
+                    serde_json::json!([{"kind": "homogeneous", "sigma_s": [100.0, 10.0, 1e4], "sigma_a": [20.0, 5.0, 2e3], "g": 0.99}]),
+                ),
                 ("none", serde_json::json!([])),
             ] {
                 for technique in ["single_scattering", "reference"] {

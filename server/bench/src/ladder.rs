@@ -54,14 +54,39 @@ pub struct Rung {
     pub steps: Option<u32>,
     /// Samples a pixel.
     pub samples: u32,
+    /// Whether traced samples, as many, correct the picture.
+    pub corrected: bool,
+}
+
+impl Rung {
+    /// What its picture claims.
+    pub fn claim(self) -> Claim {
+        if self.corrected {
+            Claim::Whole
+        } else {
+            Claim::of(self.technique)
+        }
+    }
+
+    /// Name of technique and correction.
+    pub fn name(self) -> String {
+        let corrected = if self.corrected { "+correction" } else { "" };
+        format!("{}{corrected}", self.technique.name())
+    }
 }
 
 /// The rungs of `technique`, cheapest first; without any for techniques that are not measured yet.
 pub fn ladder(technique: Technique, quick: bool) -> Vec<Rung> {
-    let rung = |steps, samples| Rung {
+    let rung = |steps, samples, corrected| Rung {
         technique,
         steps,
         samples,
+        corrected,
+    };
+    let counts: &[u32] = if quick {
+        &[1, 4, 16]
+    } else {
+        &[1, 4, 16, 64, 256]
     };
     match technique {
         Technique::SingleScattering => {
@@ -71,20 +96,18 @@ pub fn ladder(technique: Technique, quick: bool) -> Vec<Rung> {
                 (&[8, 16, 32, 64, 128], &[1, 4, 16, 64])
             };
             let all = steps.iter().copied();
-            all.flat_map(|steps| {
+            let own = all.flat_map(|steps| {
                 samples
                     .iter()
-                    .map(move |samples| rung(Some(steps), *samples))
-            })
-            .collect()
+                    .map(move |samples| rung(Some(steps), *samples, false))
+            });
+            let corrected = counts.iter().map(|samples| rung(Some(32), *samples, true));
+            own.chain(corrected).collect()
         }
         Technique::Reference => {
-            let samples: &[u32] = if quick {
-                &[1, 4, 16]
-            } else {
-                &[1, 4, 16, 64, 256]
-            };
-            samples.iter().map(|samples| rung(None, *samples)).collect()
+            let own = counts.iter().map(|samples| rung(None, *samples, false));
+            let corrected = counts.iter().map(|samples| rung(None, *samples, true));
+            own.chain(corrected).collect()
         }
         Technique::Auto
         | Technique::InstantVpl
@@ -100,11 +123,14 @@ mod tests {
     #[test]
     fn the_full_ladder_spans_8_to_128_steps_and_1_to_64_samples() {
         let rungs = ladder(Technique::SingleScattering, false);
-        assert_eq!(rungs.len(), 20);
+        assert_eq!(rungs.len(), 25);
         assert_eq!((rungs[0].steps, rungs[0].samples), (Some(8), 1));
         assert_eq!((rungs[19].steps, rungs[19].samples), (Some(128), 64));
+        assert!(!rungs[19].corrected && rungs[20].corrected);
+        assert_eq!(rungs[20].claim(), Claim::Whole);
         let samples: Vec<u32> = ladder(Technique::Reference, false)
             .iter()
+            .filter(|rung| !rung.corrected)
             .map(|rung| rung.samples)
             .collect();
         assert_eq!(samples, [1, 4, 16, 64, 256]);

@@ -95,7 +95,9 @@ pub(crate) fn shoot(
 /// With the variance of the mean, where the technique keeps it.
 fn image(width: u32, height: u32, still: &Still) -> Result<Image, BenchError> {
     let image = Image::from_rgba(width, height, &still.radiance)?;
-    Ok(match &still.variance {
+    // The traced samples' variance is not the corrected picture's.
+    let own = still.variance.as_ref().filter(|_| still.traced.is_none());
+    Ok(match own {
         Some(variance) => image.with_variance(variance.clone())?,
         None => image,
     })

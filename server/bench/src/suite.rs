@@ -6,7 +6,7 @@ use std::time::Duration;
 use tyndall_metrics::Image;
 use tyndall_picture::scene_hash;
 use tyndall_render::Renderer;
-use tyndall_scene::description::render::Technique;
+use tyndall_scene::description::render::{CorrectionMode, Technique};
 use tyndall_scene::{Scene, SceneEdit, apply_edit};
 
 use crate::error::BenchError;
@@ -115,7 +115,7 @@ impl Suite {
         let machine = Machine::of(renderer);
         for technique in &self.techniques {
             for rung in ladder(*technique, self.quick) {
-                progress(&format!("{}: {}", subject.name, technique.name()));
+                progress(&format!("{}: {}", subject.name, rung.name()));
                 let row = self.measure(renderer, subject, size, rung, &machine, &truths);
                 match row {
                     Ok((row, image)) => {
@@ -166,9 +166,9 @@ impl Suite {
         let scene = Self::scene(subject, size, Some(rung))?;
         let budget = Duration::from_secs_f64(self.row_seconds);
         let shot = shoot(renderer, &scene, size, rung.samples, budget, WARM_UP)?;
-        let claim = Claim::of(rung.technique);
+        let claim = rung.claim();
         let mut row = LadderRow {
-            technique: rung.technique.name().to_owned(),
+            technique: rung.name(),
             steps: rung.steps,
             samples: shot.samples,
             cut_short: shot.cut_short,
@@ -249,7 +249,12 @@ impl Suite {
         (render.width, render.height) = (width, height);
         if let Some(rung) = rung {
             render.technique = rung.technique;
-            render.reference = Claim::of(rung.technique).reference();
+            render.reference = rung.claim().reference();
+            render.correction = Some(if rung.corrected {
+                CorrectionMode::Always
+            } else {
+                CorrectionMode::Off
+            });
             render.single_scattering.steps = rung.steps.unwrap_or(render.single_scattering.steps);
             (render.samples, render.time_seconds) = (Some(rung.samples), None);
             render.relative_error = None;

@@ -7,7 +7,7 @@ use serde_json::json;
 use tyndall_metrics::{Image, estimated_error};
 use tyndall_picture::{Layers, Metadata, hash_bytes, hash_json, read_exr, scene_hash, write_exr};
 use tyndall_render::Renderer;
-use tyndall_scene::description::render::{ShadowMode, Technique};
+use tyndall_scene::description::render::{CorrectionMode, ShadowMode, Technique};
 use tyndall_scene::{Scene, SceneDescription, SceneEdit, apply_edit};
 
 use crate::error::BenchError;
@@ -135,6 +135,7 @@ impl TruthOptions {
         (render.samples, render.time_seconds) = (Some(self.samples), None);
         render.relative_error = None;
         render.technique = self.technique;
+        render.correction = Some(CorrectionMode::Off);
         render.reference = claim.reference();
         render.single_scattering.steps = STEPS;
         render.single_scattering.jitter = true;

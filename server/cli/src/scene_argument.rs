@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use tyndall_render::{DeviceOptions, approximations};
-use tyndall_scene::description::render::Technique;
+use tyndall_scene::description::render::{CorrectionMode, Technique};
 use tyndall_scene::{Loaded, presets};
 
 /// Which adapter renders.
@@ -51,6 +51,11 @@ pub fn load(name: &str) -> anyhow::Result<Loaded> {
 
 /// A technique by its JSON name.
 pub fn technique(name: &str) -> Result<Technique, String> {
+    serde_json::from_value(name.into()).map_err(|error| error.to_string())
+}
+
+/// A mode of correction by its JSON name.
+pub fn correction(name: &str) -> Result<CorrectionMode, String> {
     serde_json::from_value(name.into()).map_err(|error| error.to_string())
 }
 

@@ -21,6 +21,9 @@ pub fn write_exr(path: &Path, layers: &Layers, metadata: &Metadata) -> Result<()
     layers.check()?;
     let mut channels = Channels::default();
     channels.rgb(["R", "G", "B"], Some(&layers.beauty));
+    channels.rgb(["base.R", "base.G", "base.B"], layers.base.as_ref());
+    channels.rgb(["traced.R", "traced.G", "traced.B"], layers.traced.as_ref());
+    channels.grey("estimated_error", layers.estimated_error.as_ref());
     channels.grey("transmittance", layers.transmittance.as_ref());
     channels.rgb(
         ["variance.R", "variance.G", "variance.B"],

@@ -13,9 +13,16 @@ pub struct Layers {
     pub height: u32,
     /// Mean radiance. Unit: W·m⁻²·sr⁻¹ per linear Rec. 709 channel.
     pub beauty: Vec<[f32; 3]>,
+    /// The technique's own mean radiance, where `beauty` is that corrected.
+    pub base: Option<Vec<[f32; 3]>>,
+    /// Mean radiance of the traced samples that corrected it; `variance` is of this one then.
+    pub traced: Option<Vec<[f32; 3]>>,
+    /// Root of the square error that the correction expects, over the channels. Unit: as `beauty`.
+    pub estimated_error: Option<Vec<f32>>,
     /// Mean transmittance to the first surface. Range: [0, 1].
     pub transmittance: Option<Vec<f32>>,
-    /// Variance of each pixel's mean: the squared standard error of `beauty`.
+    /// Variance of each pixel's mean: the squared standard error of `beauty`, or of `traced` if that is
+    /// there.
     pub variance: Option<Vec<[f32; 3]>>,
     /// Samples in each pixel's mean.
     pub samples: Option<Vec<f32>>,
@@ -34,7 +41,8 @@ impl Layers {
     /// [`PictureError::Image`] if the counts of pixels differ.
     pub fn image(&self) -> Result<Image, PictureError> {
         let image = Image::new(self.width, self.height, self.beauty.clone())?;
-        Ok(match &self.variance {
+        let own = self.variance.as_ref().filter(|_| self.traced.is_none());
+        Ok(match own {
             Some(variance) => image.with_variance(variance.clone())?,
             None => image,
         })
@@ -56,6 +64,12 @@ impl Layers {
         let expected = self.width as usize * self.height as usize;
         let lengths = [
             ("beauty", Some(self.beauty.len())),
+            ("base", self.base.as_ref().map(Vec::len)),
+            ("traced", self.traced.as_ref().map(Vec::len)),
+            (
+                "estimated_error",
+                self.estimated_error.as_ref().map(Vec::len),
+            ),
             ("transmittance", self.transmittance.as_ref().map(Vec::len)),
             ("variance", self.variance.as_ref().map(Vec::len)),
             ("samples", self.samples.as_ref().map(Vec::len)),

@@ -166,13 +166,7 @@ impl Correction {
 
     /// Sets the camera that what is carried over was seen from, if anything is. It fades as `samples` come,
     /// so that a picture at rest is free of what carrying did to it.
-    pub fn look_back(
-        &self,
-        device: &Device,
-        last: Option<&Camera>,
-        camera: &Camera,
-        samples: u32,
-    ) {
+    pub fn look_back(&self, device: &Device, last: Option<&Camera>, camera: &Camera, samples: u32) {
         if let (Some(history), Some(finest)) = (&self.history, self.levels.first()) {
             let size = (finest.value.width, finest.value.height);
             let most = MOST_CARRIED - samples as f32;
@@ -200,7 +194,11 @@ impl Correction {
         variant: &str,
         bind: &dyn Fn(&mut Bindings<'a>),
     ) -> Result<(), RenderError> {
-        let base = if variant.contains("+base") { "+base" } else { "" };
+        let base = if variant.contains("+base") {
+            "+base"
+        } else {
+            ""
+        };
         let residual = variant.replacen("correction", "correction+residual", 1);
         let own = |level: &Level| [level.value.width, level.value.height];
         let coarse = |level: &Level| [level.value.coarse_width, level.value.coarse_height];
@@ -226,7 +224,11 @@ impl Correction {
         for level in self.levels[1..].iter().rev() {
             link("correction+combine", level, own(level));
         }
-        link(&format!("correction+combine+finest{base}"), finest, own(finest));
+        link(
+            &format!("correction+combine+finest{base}"),
+            finest,
+            own(finest),
+        );
         recording.compute_chain("correction", &links)
     }
 }

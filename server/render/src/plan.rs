@@ -14,8 +14,8 @@ use tyndall_scene::{RenderSettings, ShadowMode, Technique};
 pub(crate) use area_lights::{area_strata, has_area_lights};
 use area_lights::{plan_area_lights, plan_bvh};
 use correction::{plan_correction, plan_no_correction, without_correction};
-use reference::{plan_paths, plan_reference};
 pub(crate) use march::March;
+use reference::{plan_paths, plan_reference};
 
 /// A pass of the renderer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]

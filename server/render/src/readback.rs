@@ -264,8 +264,7 @@ fn frame_stats(
     let estimated_error = if meta.estimated {
         estimated_error(counted)
     } else {
-        last.estimated_error
-            .filter(|_| last_epoch == meta.epoch)
+        last.estimated_error.filter(|_| last_epoch == meta.epoch)
     };
     if !meta.filmed {
         return FrameStats {

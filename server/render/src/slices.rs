@@ -74,10 +74,7 @@ impl Slice {
 
     /// Pixels it works on, along both axes.
     pub fn invocations(self, width: u32) -> [u32; 2] {
-        [
-            width.div_ceil(self.stride),
-            self.rows.div_ceil(self.stride),
-        ]
+        [width.div_ceil(self.stride), self.rows.div_ceil(self.stride)]
     }
 
     pub fn values(self) -> types::Slice {

@@ -25,7 +25,8 @@ pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
     let traced = scene.render.technique == Technique::Reference;
     let corrected = scene.render.correction != CorrectionMode::Off;
     if matches!(scene.render.stop, StopRule::RelativeError(_)) && !traced && !corrected {
-        fields.push("render.relative_error: without correction, whose samples tell the error".into());
+        fields
+            .push("render.relative_error: without correction, whose samples tell the error".into());
     }
     let masked = scene
         .geometry

@@ -7,8 +7,8 @@ use tyndall_scene::{Aabb, Camera, CorrectionMode, Geometry, Scene, SceneFacts, S
 
 use crate::device::{AdapterKind, Device};
 use crate::error::RenderError;
-use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
 use crate::frame::Share;
+use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
 use crate::image::{Change, Image, Work};
 use crate::plan::{FramePlan, PassKind, PlanLimits, plan};
 use crate::programs::Bindings;
@@ -220,8 +220,7 @@ impl View {
         let moving = corrected && self.image.is_new();
         let later = moving && self.scene.render.correction == CorrectionMode::AtRest;
         let traces = self.plan.runs(PassKind::Reference) && !later;
-        let slice = (work == Work::Sample && traces)
-            .then(|| self.next_slice(corrected));
+        let slice = (work == Work::Sample && traces).then(|| self.next_slice(corrected));
         let samples = self.image.samples() + slice.map_or(0, Slice::completed_samples);
         Share {
             base: !corrected || self.image.wants_base(),

@@ -17,9 +17,9 @@ use crate::geometry::{Geometry, SharedGeometry};
 use crate::import::{self, Assets, Imported};
 use crate::limits::Limits;
 use crate::scene::{
-    Aabb, Camera, CorrectionMode, DirectionalLight, Environment, Light, Medium, MediumShape, PointLight,
-    ReferenceSettings, RenderSettings, Scene, ShadowSettings, SingleScatteringSettings, SpotLight,
-    StopRule,
+    Aabb, Camera, CorrectionMode, DirectionalLight, Environment, Light, Medium, MediumShape,
+    PointLight, ReferenceSettings, RenderSettings, Scene, ShadowSettings, SingleScatteringSettings,
+    SpotLight, StopRule,
 };
 use crate::tracks;
 use crate::validate;

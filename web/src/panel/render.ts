@@ -2,7 +2,7 @@
 
 import type { GUI } from 'lil-gui';
 import { words } from '../format';
-import type { RenderDescription, ShadowMode, Technique } from '../protocol.gen';
+import type { CorrectionMode, RenderDescription, ShadowMode, Technique } from '../protocol.gen';
 import type { ResolutionScale } from '../size';
 import { type Field, field } from './field';
 import { addCheckbox, addSelect, addSlider } from './rows';
@@ -44,6 +44,17 @@ export function addQuality(
       set(value);
       changed();
     });
+  const correction = touch<CorrectionMode>(
+    () => render.correction ?? (render.technique === 'reference' ? 'off' : 'always'),
+    (value) => {
+      render.correction = value;
+    },
+  );
+  addSelect(folder, correction, 'Correction', [
+    { value: 'always', label: 'always' },
+    { value: 'at_rest', label: 'at rest' },
+    { value: 'off', label: 'off' },
+  ]);
   const march = render.single_scattering;
   const steps = touch(
     () => march.steps,

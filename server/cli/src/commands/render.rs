@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use tyndall_picture::{Metadata, scene_hash};
 use tyndall_render::{Device, Renderer};
 use tyndall_scene::StopRule;
-use tyndall_scene::description::render::Technique;
+use tyndall_scene::description::render::{CorrectionMode, Technique};
 
 use crate::output::{self, Format};
 use crate::scene_argument::{self, DeviceArguments};
@@ -33,6 +33,9 @@ pub struct Render {
     /// What transports the light, by its JSON name; the scene's without it.
     #[arg(long, value_parser = scene_argument::technique)]
     technique: Option<Technique>,
+    /// When traced samples correct the picture: off, at_rest or always; the scene's without it.
+    #[arg(long, value_parser = scene_argument::correction)]
+    correction: Option<CorrectionMode>,
     /// Samples a pixel.
     #[arg(long, group = "stop")]
     samples: Option<u32>,
@@ -124,6 +127,7 @@ impl Render {
         render.height = self.height.unwrap_or(render.height);
         render.seed = self.seed.unwrap_or(render.seed);
         render.technique = self.technique.unwrap_or(render.technique);
+        render.correction = self.correction.or(render.correction);
         if self.samples.is_some() || self.time.is_some() || self.error.is_some() {
             render.samples = self.samples;
             render.time_seconds = self.time;

@@ -11,11 +11,21 @@ pub fn write(path: &Path, still: &Still, metadata: &Metadata) -> anyhow::Result<
     Ok(())
 }
 
+fn rgb(pixels: &[[f32; 4]]) -> Vec<[f32; 3]> {
+    pixels.iter().map(|p| [p[0], p[1], p[2]]).collect()
+}
+
 fn layers(still: &Still) -> Layers {
     Layers {
         width: still.frame.width,
         height: still.frame.height,
-        beauty: still.radiance.iter().map(|p| [p[0], p[1], p[2]]).collect(),
+        beauty: rgb(&still.radiance),
+        base: still.base.as_deref().map(rgb),
+        traced: still.traced.as_deref().map(rgb),
+        estimated_error: still
+            .square_error
+            .as_ref()
+            .map(|errors| errors.iter().map(|e| e.sqrt()).collect()),
         transmittance: Some(still.radiance.iter().map(|p| p[3]).collect()),
         variance: still.variance.clone(),
         samples: still.samples_per_pixel.clone(),

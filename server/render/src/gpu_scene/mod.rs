@@ -24,7 +24,7 @@ pub(crate) use geometry::{Draw, DrawClass, GpuGeometry, VERTEX_LAYOUT};
 pub(crate) use grids::GpuGrids;
 #[cfg(feature = "probe")]
 pub(crate) use inputs::frame_values;
-pub(crate) use inputs::{history_view, Inputs, SampleValues};
+pub(crate) use inputs::{Inputs, SampleValues, history_view};
 #[cfg(feature = "probe")]
 pub(crate) use materials::material_values;
 pub(crate) use placement::GpuPlacement;

@@ -31,9 +31,15 @@ pub(super) fn plan_correction(
     base: bool,
 ) {
     let (variant, what) = if base {
-        ("correction+base", "traced samples less the technique's picture, band by band")
+        (
+            "correction+base",
+            "traced samples less the technique's picture, band by band",
+        )
     } else {
-        ("correction", "bands of the traced picture that are above its noise")
+        (
+            "correction",
+            "bands of the traced picture that are above its noise",
+        )
     };
     let mut variant = String::from(variant);
     // Without a technique there is no depth that residuals could be carried along with.
@@ -55,5 +61,9 @@ pub(super) fn plan_correction(
 pub(super) fn plan_no_correction(plan: &mut FramePlan, why: &str) {
     plan.skip(PassKind::Reference, "", "no correction");
     plan.skip(PassKind::Correction, "", why);
-    plan.skip(PassKind::Estimate, "", "the technique does not know its error");
+    plan.skip(
+        PassKind::Estimate,
+        "",
+        "the technique does not know its error",
+    );
 }

@@ -32,11 +32,7 @@ pub(super) fn plan_reference(facts: &SceneFacts, settings: &RenderSettings) -> F
     plan_paths(&mut plan, facts);
     plan.skip(PassKind::Film, "", "the path tracer keeps the mean");
     if settings.correction == CorrectionMode::Off {
-        plan.skip(
-            PassKind::Correction,
-            "",
-            "off: the traced picture as it is",
-        );
+        plan.skip(PassKind::Correction, "", "off: the traced picture as it is");
         plan.run(
             PassKind::Estimate,
             "estimate+tiles",
