@@ -18,6 +18,7 @@ use std::path::Path;
 
 use tyndall_metrics::{Image, block_z};
 use tyndall_scene::StopRule;
+use tyndall_tests::picture_z::picture_z;
 use tyndall_tests::{estimate, gpu, npz};
 
 /// Side of a block. Unit: pixel.
@@ -37,14 +38,6 @@ fn truth(file: &Path, width: u32, height: u32) -> Image {
         .unwrap()
 }
 
-/// z-score of the whole picture's mean and the ratio of the means, in one channel.
-fn whole(image: &Image, truth: &Image, channel: usize) -> (f64, f64) {
-    let sum = |plane: &[[f32; 3]]| plane.iter().map(|p| f64::from(p[channel])).sum::<f64>();
-    let variance = sum(image.variance().unwrap()) + sum(truth.variance().unwrap());
-    let (found, expected) = (sum(image.rgb()), sum(truth.rgb()));
-    ((found - expected) / variance.sqrt(), found / expected)
-}
-
 fn agrees(name: &str, samples: u32) {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/data/surface_truths"));
     let loaded = tyndall_scene::load(&folder.join(format!("{name}.json"))).unwrap();
@@ -60,7 +53,7 @@ fn agrees(name: &str, samples: u32) {
         .unwrap();
     let truth = truth(&folder.join(format!("{name}.npz")), width, height);
     let blocks = block_z(&image, &truth, BLOCK).unwrap();
-    let channels: [_; 3] = std::array::from_fn(|c| whole(&image, &truth, c));
+    let channels: [_; 3] = std::array::from_fn(|c| picture_z(&image, &truth, c));
     println!(
         "{name}: {samples} samples, block z deviation {:.3} (greatest {:.1}), picture z {:+.2} {:+.2} {:+.2}, mean ratio {:.4} {:.4} {:.4}",
         blocks.deviation,
