@@ -147,18 +147,6 @@ mirrors! {
         padding_end: u32,
     }
 
-    /// A path that waits for its pixel's next dispatch.
-    struct WaitingPath {
-        origin: [f32; 3],
-        density: f32,
-        direction: [f32; 3],
-        triangle: u32,
-        throughput: [f32; 3],
-        surface_scatterings: u32,
-        radiance: [f32; 3],
-        medium_scatterings: u32,
-    }
-
     /// Box and samples of the grids' optical depth toward each light.
     struct LightVolume {
         low: [f32; 3],

@@ -77,6 +77,7 @@ fn a_driver_with_a_loop_cap_gets_fewer_steps_and_a_reason() {
     scene.render.shadows.mode = ShadowMode::Traced;
     let limits = PlanLimits {
         loop_cap: Some(65_535),
+        beyond_correction: false,
     };
     let text = plan(&facts(&scene), &scene.render, &limits).to_string();
     assert!(text.contains("4096 were asked for"), "{text}");

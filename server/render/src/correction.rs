@@ -104,6 +104,11 @@ fn layout(width: u32, height: u32) -> (Vec<PyramidLevel>, u64) {
     (levels, u64::from(firsts[sizes.len()]))
 }
 
+/// Bytes of the largest buffer that a picture of this size needs.
+pub(crate) fn largest_buffer(width: u32, height: u32) -> u64 {
+    32 * layout(width, height).1
+}
+
 impl Correction {
     pub fn new(device: &Device, width: u32, height: u32, carries: bool) -> Self {
         let (levels, cells) = layout(width, height);

@@ -106,6 +106,8 @@ pub struct FramePlan {
 pub struct PlanLimits {
     /// The driver stops an invocation after so many loop iterations.
     pub loop_cap: Option<u32>,
+    /// The picture has more pixels than the correction's buffers may hold.
+    pub beyond_correction: bool,
 }
 
 impl FramePlan {

@@ -81,6 +81,7 @@ impl Renderer {
     pub fn plan_limits(&self) -> PlanLimits {
         PlanLimits {
             loop_cap: self.device.self_test().loop_cap,
+            beyond_correction: false,
         }
     }
 

@@ -140,7 +140,8 @@ impl Renderer {
         };
         if let Some(reference) = &view.targets.reference {
             let moments = self.read_pixels(&reference.moments)?;
-            let surface = self.read_pixels(&reference.film_surface)?;
+            let albedo = self.read_pixels(&reference.film_albedo)?;
+            let normal = self.read_pixels(&reference.film_normal)?;
             if let Some(correction) = &view.targets.correction {
                 still.base = view
                     .plan
@@ -150,18 +151,15 @@ impl Renderer {
                 still.traced = Some(self.read_pixels(reference.film(&view.targets))?);
                 still.square_error = Some(self.read_square_errors(correction, &still)?);
             }
-            let first =
-                |pairs: &[[f32; 4]]| pairs.chunks_exact(2).map(|p| p[0]).collect::<Vec<_>>();
             let rgb = |v: [f32; 4]| [v[0], v[1], v[2]];
-            let moments = first(&moments);
             let variance = |m: &[f32; 4]| rgb(*m).map(|sum| sum / (m[3] * (m[3] - 1.0)).max(1.0));
             still.variance = Some(moments.iter().map(variance).collect());
             still.samples_per_pixel = Some(moments.iter().map(|m| m[3]).collect());
             // Means over all samples, of which a share met a surface.
-            let met = surface.chunks_exact(2).map(|p| p[1][3].max(1e-6));
-            still.depth = Some(met.zip(first(&surface)).map(|(s, p)| p[3] / s).collect());
-            still.albedo = Some(first(&surface).into_iter().map(rgb).collect());
-            still.normal = Some(surface.chunks_exact(2).map(|p| rgb(p[1])).collect());
+            let met = normal.iter().map(|n| n[3].max(1e-6));
+            still.depth = Some(met.zip(&albedo).map(|(s, p)| p[3] / s).collect());
+            still.albedo = Some(albedo.into_iter().map(rgb).collect());
+            still.normal = Some(normal.into_iter().map(rgb).collect());
         }
         Ok(still)
     }

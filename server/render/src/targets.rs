@@ -12,12 +12,8 @@ pub(crate) const GBUFFER_FORMATS: [wgpu::TextureFormat; 3] = [wgpu::TextureForma
 pub(crate) struct Targets {
     pub width: u32,
     pub height: u32,
-    pub depth: wgpu::TextureView,
-    pub base_color: wgpu::TextureView,
-    pub normal: wgpu::TextureView,
-    /// Present when the plan has an emission target.
-    pub emission: Option<wgpu::TextureView>,
-    pub surface_radiance: wgpu::TextureView,
+    /// Present when the plan shades surfaces.
+    pub surfaces: Option<SurfaceTargets>,
     /// Present when the plan marches.
     pub in_scattered_radiance: Option<wgpu::TextureView>,
     /// Present when the plan looks at area lights.
@@ -34,17 +30,32 @@ pub(crate) struct Targets {
     pub displayed: wgpu::Buffer,
 }
 
+/// What the camera's rays meet, and its direct light.
+#[derive(Debug)]
+pub(crate) struct SurfaceTargets {
+    pub depth: wgpu::TextureView,
+    pub base_color: wgpu::TextureView,
+    pub normal: wgpu::TextureView,
+    /// Present when the plan has an emission target.
+    pub emission: Option<wgpu::TextureView>,
+    pub surface_radiance: wgpu::TextureView,
+}
+
 /// What the reference keeps of each pixel beside its mean.
 #[derive(Debug)]
 pub(crate) struct ReferenceTargets {
     /// The traced mean, four f32 a pixel, where it is not the picture itself.
     pub traced_film: Option<wgpu::Buffer>,
-    /// Eight f32 a pixel: see `techniques/reference/path_trace.wesl`.
+    /// Four f32 a pixel each: see `techniques/reference/path_trace.wesl`.
     pub moments: wgpu::Buffer,
-    /// Eight f32 a pixel: base colour, depth, normal, share that met a surface.
-    pub film_surface: wgpu::Buffer,
-    /// 64 bytes a pixel: a path that waits for the next dispatch.
-    pub waiting_paths: wgpu::Buffer,
+    pub even_means: wgpu::Buffer,
+    /// Base colour and depth.
+    pub film_albedo: wgpu::Buffer,
+    /// Normal and share that met a surface.
+    pub film_normal: wgpu::Buffer,
+    /// Four words a pixel each: a path that waits for the next dispatch. No buffer takes more than the
+    /// film does, so that pictures of every technique may have the same size.
+    pub waiting: [(&'static str, wgpu::Buffer); 4],
     /// Four f32 a tile of 8×8 pixels.
     pub tile_sums: wgpu::Buffer,
 }
@@ -52,8 +63,14 @@ pub(crate) struct ReferenceTargets {
 impl ReferenceTargets {
     /// Records that no pixel has a sample.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
-        let own = [&self.moments, &self.film_surface, &self.waiting_paths];
-        for buffer in own.into_iter().chain(&self.traced_film) {
+        let own = [
+            &self.moments,
+            &self.even_means,
+            &self.film_albedo,
+            &self.film_normal,
+        ];
+        let waiting = self.waiting.iter().map(|(_, buffer)| buffer);
+        for buffer in own.into_iter().chain(waiting).chain(&self.traced_film) {
             encoder.clear_buffer(buffer, 0, None);
         }
     }
@@ -115,6 +132,7 @@ impl InterleavedTargets {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(clippy::struct_excessive_bools, reason = "independent targets")]
 pub(crate) struct TargetNeeds {
+    pub surfaces: bool,
     pub emission: bool,
     pub in_scatter: bool,
     pub area: bool,
@@ -135,9 +153,8 @@ impl Targets {
     ) -> Result<Self, RenderError> {
         let limits = device.device.limits();
         let max_side = limits.max_texture_dimension_2d;
-        // The film takes 16 bytes a pixel, the reference's waiting paths 64.
-        let per_pixel = if needs.reference { 64 } else { 16 };
-        let max_pixels = limits.max_storage_buffer_binding_size / per_pixel;
+        // No buffer takes more than 16 bytes a pixel.
+        let max_pixels = limits.max_storage_buffer_binding_size / 16;
         let pixels = u64::from(width) * u64::from(height);
         if pixels == 0 || pixels > max_pixels || width.max(height) > max_side {
             return Err(RenderError::Size {
@@ -183,13 +200,15 @@ impl Targets {
         Ok(Self {
             width,
             height,
-            depth: texture("gbuffer.depth", wgpu::TextureFormat::Depth32Float, drawn),
-            base_color: texture("gbuffer.base_color", color_format, drawn),
-            normal: texture("gbuffer.normal", normal_format, drawn),
-            emission: needs
-                .emission
-                .then(|| texture("gbuffer.emission", emission_format, drawn)),
-            surface_radiance: texture("surface_radiance", radiance, stored),
+            surfaces: needs.surfaces.then(|| SurfaceTargets {
+                depth: texture("gbuffer.depth", wgpu::TextureFormat::Depth32Float, drawn),
+                base_color: texture("gbuffer.base_color", color_format, drawn),
+                normal: texture("gbuffer.normal", normal_format, drawn),
+                emission: needs
+                    .emission
+                    .then(|| texture("gbuffer.emission", emission_format, drawn)),
+                surface_radiance: texture("surface_radiance", radiance, stored),
+            }),
             in_scattered_radiance: needs
                 .in_scatter
                 .then(|| texture("in_scattered_radiance", radiance, stored)),
@@ -205,9 +224,17 @@ impl Targets {
                 .then(|| Correction::new(device, width, height, needs.history)),
             reference: needs.reference.then(|| ReferenceTargets {
                 traced_film: needs.correction.then(|| buffer("traced_film", 16)),
-                moments: buffer("moments", 32),
-                film_surface: buffer("film_surface", 32),
-                waiting_paths: buffer("waiting_paths", 64),
+                moments: buffer("moments", 16),
+                even_means: buffer("even_means", 16),
+                film_albedo: buffer("film_albedo", 16),
+                film_normal: buffer("film_normal", 16),
+                waiting: [
+                    "waiting_origins",
+                    "waiting_directions",
+                    "waiting_throughputs",
+                    "waiting_radiances",
+                ]
+                .map(|name| (name, buffer(name, 16))),
                 // As many as 8×8 tiles, rounded up on both sides, for any shape.
                 tile_sums: device.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some("tile_sums"),

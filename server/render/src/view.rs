@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use tyndall_scene::{Aabb, Camera, CorrectionMode, Geometry, Scene, SceneFacts, ShadowMode};
 
+use crate::correction::largest_buffer;
 use crate::device::{AdapterKind, Device};
 use crate::error::RenderError;
 use crate::frame::Share;
@@ -65,21 +66,28 @@ impl ViewParts<'_> {
             .buffer("slice", &inputs.slice)
             .buffer("grids", &inputs.grids)
             .buffer("film", &targets.film)
-            .buffer("displayed", &targets.displayed)
-            .texture("gbuffer_depth", &targets.depth)
-            .texture("gbuffer_base_color", &targets.base_color)
-            .texture("gbuffer_normal", &targets.normal)
-            .texture("surface_radiance", &targets.surface_radiance);
-        if let Some(emission) = &targets.emission {
-            bindings.texture("gbuffer_emission", emission);
+            .buffer("displayed", &targets.displayed);
+        if let Some(surfaces) = &targets.surfaces {
+            bindings
+                .texture("gbuffer_depth", &surfaces.depth)
+                .texture("gbuffer_base_color", &surfaces.base_color)
+                .texture("gbuffer_normal", &surfaces.normal)
+                .texture("surface_radiance", &surfaces.surface_radiance);
+            if let Some(emission) = &surfaces.emission {
+                bindings.texture("gbuffer_emission", emission);
+            }
         }
         if let Some(reference) = &targets.reference {
             bindings
                 .buffer("moments", &reference.moments)
-                .buffer("film_surface", &reference.film_surface)
-                .buffer("waiting_paths", &reference.waiting_paths)
-                .buffer("tile_sums", &reference.tile_sums)
-                .buffer("traced_film", reference.film(targets));
+                .buffer("even_means", &reference.even_means)
+                .buffer("film_albedo", &reference.film_albedo)
+                .buffer("film_normal", &reference.film_normal)
+                .buffer("tile_sums", &reference.tile_sums);
+            for (name, buffer) in &reference.waiting {
+                bindings.buffer(name, buffer);
+            }
+            bindings.buffer("traced_film", reference.film(targets));
         }
         if let Some(correction) = &targets.correction {
             correction.bind(bindings);
@@ -119,6 +127,7 @@ impl View {
         limits: PlanLimits,
     ) -> Result<Self, RenderError> {
         let facts = tyndall_scene::facts(&scene);
+        let limits = limits_at(device, limits, (width, height));
         let plan = plan(&facts, &scene.render, &limits);
         need_placement(device, &assets.placement, &plan)?;
         let mut shadows = ShadowMaps::new(device);
@@ -204,7 +213,11 @@ impl View {
         if (width, height) == (self.targets.width, self.targets.height) {
             return Ok(());
         }
-        self.targets = Targets::new(device, width, height, needs(&self.plan))?;
+        let limits = limits_at(device, self.limits, (width, height));
+        let plan = plan(&self.facts, &self.scene.render, &limits);
+        need_placement(device, &self.assets.placement, &plan)?;
+        self.targets = Targets::new(device, width, height, needs(&plan))?;
+        (self.limits, self.plan) = (limits, plan);
         self.ring = ReadbackRing::new(device, width, height);
         self.residual_camera = None;
         self.image.restart();
@@ -342,6 +355,15 @@ impl View {
     }
 }
 
+/// What the planner must respect at this size.
+fn limits_at(device: &Device, limits: PlanLimits, (width, height): (u32, u32)) -> PlanLimits {
+    let most = device.device.limits().max_storage_buffer_binding_size;
+    PlanLimits {
+        beyond_correction: largest_buffer(width, height) > most,
+        ..limits
+    }
+}
+
 /// Longest dispatch of the reference that leaves a picture responsive.
 fn slice_budget(device: &Device) -> Duration {
     match device.summary().kind {
@@ -407,6 +429,7 @@ fn moved_bounds(old: &Geometry, new: &Geometry) -> Vec<Aabb> {
 
 fn needs(plan: &FramePlan) -> TargetNeeds {
     TargetNeeds {
+        surfaces: plan.runs(PassKind::Shade),
         emission: plan
             .variant(PassKind::Shade)
             .is_some_and(|variant| variant.contains("+emissive")),

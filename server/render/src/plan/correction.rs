@@ -16,6 +16,8 @@ pub(super) fn without_correction(
         Some("off")
     } else if limits.loop_cap.is_some() {
         Some("this driver cuts long loops short, and paths with them")
+    } else if limits.beyond_correction {
+        Some("the picture is larger than this device's largest buffer of residuals")
     } else if facts.triangles == 0 && !facts.scatters && !judged {
         Some("nothing scatters: the picture is exact")
     } else {

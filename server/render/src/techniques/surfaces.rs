@@ -17,6 +17,9 @@ pub(crate) fn record_gbuffer(
     geometry: &GpuGeometry,
     variant: &str,
 ) -> Result<(), RenderError> {
+    let Some(targets) = &targets.surfaces else {
+        return Ok(());
+    };
     let mut colors = vec![&targets.base_color, &targets.normal];
     colors.extend(&targets.emission);
     let draws: Vec<_> = geometry
