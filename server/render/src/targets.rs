@@ -88,6 +88,8 @@ pub(crate) struct InterleavedTargets {
     pub marched_radiance: wgpu::TextureView,
     /// Gathered along the rows.
     pub gathered_rows: wgpu::TextureView,
+    /// Gathered along both, and the accepted share of the window.
+    pub gathered_radiance: wgpu::TextureView,
     /// See `techniques/single_scattering/pixel_list.wesl`.
     pub rejected_pixels: wgpu::Buffer,
     /// An empty list's first words.
@@ -110,6 +112,7 @@ impl InterleavedTargets {
         Self {
             marched_radiance: texture("marched_radiance"),
             gathered_rows: texture("gathered_rows"),
+            gathered_radiance: texture("gathered_radiance"),
             rejected_pixels: buffer("rejected_pixels", 16 + 4 * pixels, listed | copied),
             empty_list: wgpu::util::DeviceExt::create_buffer_init(
                 &device.device,

@@ -108,6 +108,8 @@ impl ViewParts<'_> {
             bindings
                 .texture("gathered_rows", &interleaved.gathered_rows)
                 .texture("gathered_rows_written", &interleaved.gathered_rows)
+                .texture("gathered_radiance", &interleaved.gathered_radiance)
+                .texture("gathered_radiance_written", &interleaved.gathered_radiance)
                 .buffer("rejected_pixels", &interleaved.rejected_pixels);
         }
         if let Some(volume) = self.light_volume {

@@ -8,7 +8,7 @@ use tyndall_render::{Renderer, Still};
 use tyndall_scene::{Scene, ShadowMode, StopRule, presets};
 use tyndall_tests::gpu;
 
-/// Picture and the median time of the named passes. Unit: ms.
+/// Picture and the least time of the named passes: what else runs on the machine only adds. Unit: ms.
 fn shot(renderer: &mut Renderer, scene: &Scene, frames: u32, passes: &[&str]) -> (Still, f64) {
     let mut scene = scene.clone();
     scene.render.stop = StopRule::Samples(frames);
@@ -24,9 +24,8 @@ fn shot(renderer: &mut Renderer, scene: &Scene, frames: u32, passes: &[&str]) ->
         let of = frame.pass_times.iter().filter(|t| passes.contains(&t.name));
         times.push(of.map(|t| f64::from(t.micros) / 1e3).sum::<f64>());
     }
-    times.sort_by(f64::total_cmp);
     let still = renderer.render_still(&mut view, |_| {}).expect("rendered");
-    (still, times[times.len() / 2])
+    (still, times.into_iter().fold(f64::INFINITY, f64::min))
 }
 
 const MARCH: [&str; 3] = ["single_scattering", "gather", "rejected_pixels"];
@@ -50,18 +49,17 @@ fn against_full(name: &str, mut scene: Scene) -> (f64, f64) {
 }
 
 #[test]
-fn four_by_four_is_a_few_times_cheaper_than_the_full_march_and_close_to_it() {
-    // Measured 0.018 and 1/6.7 (hall), 0.003 and 1/5 (box), where the goal is 0.01 and 1/8: what is
-    // left of the error is blur at the edges of shafts, of the time the pixels that are marched in full
-    // and, on a software driver, the gathering.
+fn four_by_four_is_a_few_times_cheaper_than_the_full_march_and_within_one_percent_of_it() {
+    // Measured 0.009 and 1/6.1 (hall), 0.002 and 1/3.4 (box), where the goal is 0.01 and 1/8: of the time,
+    // a third are the pixels that are marched in full and, on a software driver, the gathering.
     for name in ["fogged_hall", "cornell_fog"] {
         let description = presets::description(name).expect("a preset");
         let mut scene = tyndall_scene::build(description, None)
             .expect("valid")
             .scene;
-        (scene.render.width, scene.render.height) = (480, 270);
+        (scene.render.width, scene.render.height) = (640, 360);
         let (error, ratio) = against_full(name, scene);
-        assert!(error < 0.03, "{name}: {error}");
+        assert!(error < 0.01, "{name}: {error}");
         // The machines that run this are shared: the ratio is of one run, and still noisy.
         assert!(ratio < 0.5, "{name}: {ratio}");
     }

@@ -4,9 +4,9 @@
 //! Transports order 1 of the partition from point, spot and directional lights, and the media's own
 //! emission. Bias: none with jitter in analytic media (unbiased in the ray parameter); without it the
 //! midpoint rule's, second order in the step. Density grids add the trapezoid rule of their optical
-//! depth and the spacing of the light volume, both second order; interleaving adds the blur of its
-//! window; shadow maps their resolution's. Cost: steps × lights × media a pixel, a M²-th of it
-//! interleaved.
+//! depth and the spacing of the light volume, both second order; interleaving adds what is left of
+//! its window's blur, of the fourth order but at edges; shadow maps their resolution's. Cost: steps ×
+//! lights × media a pixel, a M²-th of it interleaved.
 
 mod light_volume;
 
@@ -24,12 +24,14 @@ pub(crate) fn record(
     targets: &Targets,
     variant: &str,
 ) -> Result<(), RenderError> {
+    // Groups of the same rank fill blocks of 8 tiles a side: see `interleave.wesl`.
+    let block = 8 * recording.constants.interleave.max(1);
     recording.compute(
         "single_scattering",
         variant,
         bindings,
-        targets.width,
-        targets.height,
+        targets.width.next_multiple_of(block),
+        targets.height.next_multiple_of(block),
     )
 }
 
