@@ -11,7 +11,7 @@ use tyndall_scene::{CorrectionMode, Light, Scene, ShadowMode, StopRule, Techniqu
 use tyndall_tests::{gpu, published};
 
 /// Samples a pixel.
-const LADDER: [u32; 4] = [1, 4, 16, 64];
+const LADDER: [u32; 3] = [1, 4, 16];
 
 /// As on the page: mapped shadows, interleaved strata.
 fn interactive(scene: &mut Scene) {
@@ -37,6 +37,36 @@ struct Rung {
     expected: f64,
     /// The same of the picture as it is, its worst pixels included.
     whole: f64,
+    /// Expected by found, of each whole block of 32×32 pixels, in rising order.
+    blocks: Vec<f64>,
+}
+
+/// Side of the blocks that expected errors are judged over. Unit: pixel.
+const SIDE: usize = 32;
+
+/// Ratios of expected to found errors over blocks; the truth's own variance is taken off the found ones.
+fn block_ratios(still: &Still, truth: &Image) -> Vec<f64> {
+    let width = still.frame.width as usize;
+    let expected = still.square_error.as_ref().expect("it was corrected");
+    let variance = truth.variance().expect("the published images have one");
+    let mean = |v: &[f32; 3]| v.iter().map(|v| f64::from(*v)).sum::<f64>() / 3.0;
+    let mut ratios = Vec::new();
+    for top in (0..=still.frame.height as usize - SIDE).step_by(SIDE) {
+        for left in (0..=width - SIDE).step_by(SIDE) {
+            let (mut told, mut found) = (0.0, 0.0);
+            for index in
+                (top..top + SIDE).flat_map(|y| (left..left + SIDE).map(move |x| y * width + x))
+            {
+                let [r, g, b, _] = still.radiance[index];
+                let off: [f32; 3] = std::array::from_fn(|c| [r, g, b][c] - truth.rgb()[index][c]);
+                told += f64::from(expected[index]);
+                found += mean(&off.map(|d| d * d)) - mean(&variance[index]);
+            }
+            ratios.push((told / found.max(1e-12)).sqrt());
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    ratios
 }
 
 fn error(radiance: &[[f32; 4]], still: &Still, truth: &Image) -> f64 {
@@ -70,10 +100,19 @@ fn climb(name: &str, label: &str, settings: fn(&mut Scene)) -> Option<Vec<Rung>>
             expected: f64::from(still.frame.stats.estimated_error.expect("an estimate")),
             whole: tyndall_metrics::relative_rmse_debiased(&gpu::image(&still), &truth.image)
                 .expect("pictures of one size"),
+            blocks: block_ratios(&still, &truth.image),
         };
+        let blocks = &rung.blocks;
         println!(
-            "{name} {label} n {samples}: traced {:.4}, base {:.4}, corrected {:.4}; expected {:.4}, found {:.4}; {seconds:.2} s",
-            rung.traced, rung.base, rung.corrected, rung.expected, rung.whole
+            "{name} {label} n {samples}: traced {:.4}, base {:.4}, corrected {:.4}; expected {:.4}, found {:.4}, blocks {:.2} {:.2} {:.2}; {seconds:.2} s",
+            rung.traced,
+            rung.base,
+            rung.corrected,
+            rung.expected,
+            rung.whole,
+            blocks[0],
+            blocks[blocks.len() / 2],
+            blocks[blocks.len() - 1]
         );
         rungs.push(rung);
     }
@@ -173,7 +212,7 @@ fn walked(scene: &Scene, mode: CorrectionMode, steps: u32, truth: &Image) -> f64
 fn truth_after(scene: &Scene, steps: u32) -> Image {
     let mut scene = Scene::clone(&walk(scene, steps));
     scene.render.technique = Technique::Reference;
-    scene.render.stop = StopRule::Samples(1024);
+    scene.render.stop = StopRule::Samples(512);
     scene.render.seed = 77;
     let still = gpu::render(&mut gpu::renderer(), scene);
     let image = gpu::image(&still);
@@ -278,8 +317,8 @@ fn a_picture_that_came_to_rest_is_free_of_its_history() {
 
 #[test]
 fn hostile_pictures_stay_finite() {
-    for (width, height) in [(1, 1), (2, 1), (1, 7), (3, 3), (17, 5), (33, 64)] {
-        for samples in [1, 2, 5] {
+    for (width, height) in [(1, 1), (1, 7), (17, 5), (33, 64)] {
+        for samples in [1, 5] {
             for (label, media) in [
                 (
                     "thin",

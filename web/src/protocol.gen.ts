@@ -207,6 +207,11 @@ duration_seconds: number, };
 export type Codec = "jpeg" | "png";
 
 /**
+ * When unbiased traced samples correct the technique's picture.
+ */
+export type CorrectionMode = "off" | "at_rest" | "always";
+
+/**
  * A light's direction at one time.
  */
 export type DirectionKeyframe = { 
@@ -911,6 +916,11 @@ time_seconds?: number,
  * Finished when the estimated relative error falls below this. Range: 1e−5 to 1.
  */
 relative_error?: number, 
+/**
+ * When traced samples correct the technique's picture. If left out: `always`, but `off` for the
+ * `reference`, which they are all of.
+ */
+correction?: CorrectionMode, 
 /**
  * Seed of every random number. Range: 0 to 2⁵³ − 1, which every JSON reader keeps exactly.
  */

@@ -158,7 +158,7 @@ fn render_writes_an_exr_with_linear_radiance_and_transmittance() {
     use exr::prelude::{Vec2, read_first_flat_layer_from_file};
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("out.exr");
-    let output = render_to(&path, &[]);
+    let output = render_to(&path, &["--correction", "off"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let image = read_first_flat_layer_from_file(&path).expect("a readable EXR");
     let layer = &image.layer_data;
@@ -175,6 +175,23 @@ fn render_writes_an_exr_with_linear_radiance_and_transmittance() {
         assert!(values.iter().all(|v| v.is_finite() && *v >= 0.0));
         assert!(values.iter().any(|v| *v > 0.0), "{} is black", channel.name);
     }
+}
+
+#[test]
+fn a_corrected_exr_holds_what_it_was_made_of() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("out.exr");
+    let output = render_to(&path, &["--correction", "always"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let (layers, _) = tyndall_picture::read_exr(&path).expect("a readable EXR");
+    let mean = |rgb: &[[f32; 3]]| rgb.iter().flatten().sum::<f32>() / (3.0 * rgb.len() as f32);
+    let (base, traced) = (layers.base.unwrap(), layers.traced.unwrap());
+    assert!(mean(&base) > 0.0 && mean(&traced) > 0.0);
+    assert_ne!(layers.beauty, base);
+    assert_ne!(layers.beauty, traced);
+    let errors = layers.estimated_error.unwrap();
+    assert!(errors.iter().all(|e| e.is_finite() && *e >= 0.0));
+    assert!(errors.iter().any(|e| *e > 0.0));
 }
 
 #[test]

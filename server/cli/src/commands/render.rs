@@ -33,7 +33,7 @@ pub struct Render {
     /// What transports the light, by its JSON name; the scene's without it.
     #[arg(long, value_parser = scene_argument::technique)]
     technique: Option<Technique>,
-    /// When traced samples correct the picture: off, at_rest or always; the scene's without it.
+    /// When traced samples correct the picture: `off`, `at_rest` or `always`; the scene's without it.
     #[arg(long, value_parser = scene_argument::correction)]
     correction: Option<CorrectionMode>,
     /// Samples a pixel.
