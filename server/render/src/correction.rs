@@ -106,7 +106,8 @@ fn layout(width: u32, height: u32) -> (Vec<PyramidLevel>, u64) {
 
 /// Bytes of the largest buffer that a picture of this size needs.
 pub(crate) fn largest_buffer(width: u32, height: u32) -> u64 {
-    32 * layout(width, height).1
+    let cells = |[w, h]: &[u32; 2]| u64::from(*w) * u64::from(*h);
+    32 * sizes(width, height).iter().map(cells).sum::<u64>()
 }
 
 impl Correction {

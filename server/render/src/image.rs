@@ -77,6 +77,8 @@ pub(crate) struct Image {
     base_samples: u32,
     /// `samples` when the correction ran last, if it did.
     estimated_at: Option<u32>,
+    /// Whether samples were added since.
+    behind: bool,
     epoch: u32,
     started: Instant,
     /// The mean is up to date but was never shown with the present exposure.
@@ -122,6 +124,7 @@ impl Image {
             samples: 0,
             base_samples: 0,
             estimated_at: None,
+            behind: false,
             epoch: 0,
             started: Instant::now(),
             redisplay: false,
@@ -145,6 +148,7 @@ impl Image {
         self.samples = 0;
         self.base_samples = 0;
         self.estimated_at = None;
+        self.behind = false;
         self.epoch = self.epoch.wrapping_add(1);
         self.started = Instant::now();
         self.redisplay = false;
@@ -173,7 +177,10 @@ impl Image {
     /// Whether the stop rule wants no more samples.
     fn is_enough(&self, stop: StopRule) -> bool {
         match stop {
-            StopRule::Samples(target) => self.samples >= target,
+            // As many of the technique itself, whatever time traced ones took: same seed, same bits.
+            StopRule::Samples(target) => {
+                self.samples >= target && self.base_samples >= target.min(MAX_BASE_SAMPLES)
+            }
             StopRule::Seconds(seconds) => {
                 self.samples > 0 && self.started.elapsed().as_secs_f32() >= seconds
             }
@@ -211,21 +218,27 @@ impl Image {
     }
 
     /// Whether the technique's own mean still gains: it is as long as the traced one, to a bound.
-    pub fn wants_base(&self) -> bool {
-        self.base_samples < MAX_BASE_SAMPLES && self.base_samples <= self.samples
+    pub fn wants_base(&self, stop: StopRule) -> bool {
+        let most = match stop {
+            StopRule::Samples(target) => target.min(MAX_BASE_SAMPLES),
+            StopRule::Seconds(_) | StopRule::RelativeError(_) => MAX_BASE_SAMPLES,
+        };
+        self.base_samples < most && self.base_samples <= self.samples
     }
 
     /// Whether the picture lacks samples that were added since the correction.
     pub fn is_behind(&self) -> bool {
-        self.estimated_at != Some(self.samples)
+        self.behind
     }
 
     /// Whether the correction is worth its time once there are `samples` samples: they grew by an eighth, or
     /// are all.
     pub fn wants_estimate(&self, samples: u32, stop: StopRule) -> bool {
-        let last = matches!(stop, StopRule::Samples(target) if samples >= target);
+        let last = matches!(stop, StopRule::Samples(target) if samples >= target)
+            && !self.wants_base(stop);
         let before = self.estimated_at.unwrap_or(0);
-        samples == 0 || last || u64::from(samples) * 8 >= u64::from(before) * 9
+        let grown = samples > before;
+        samples == 0 || last || grown && u64::from(samples) * 8 >= u64::from(before) * 9
     }
 
     /// Samples the stop rule allows in all.
@@ -286,14 +299,19 @@ impl Image {
     }
 
     /// Notes that `work` was submitted, which added `samples` samples to every pixel; whether one of the
-    /// technique was among the work, and the estimate.
-    pub fn advance(&mut self, work: Work, samples: u32, base: bool, estimated: bool) {
+    /// technique was among the work, where that has a mean of its own, and the estimate.
+    pub fn advance(&mut self, work: Work, samples: u32, base: Option<bool>, estimated: bool) {
         if work == Work::Sample {
             self.samples = self.samples.saturating_add(samples);
-            self.base_samples += u32::from(base);
+            self.base_samples = match base {
+                Some(added) => self.base_samples + u32::from(added),
+                None => self.samples,
+            };
+            self.behind |= samples > 0 || base == Some(true);
         }
         if estimated {
             self.estimated_at = Some(self.samples);
+            self.behind = false;
         }
         self.redisplay = false;
     }

@@ -158,7 +158,7 @@ impl Renderer {
         let sample = SampleValues {
             pixel_offset: view.image.pixel_offset(),
             sample_index: view.image.base_samples(),
-            turn: view.image.epoch(),
+            turn: view.turn,
             march: March::of(&view.facts, &view.scene.render, view.limits()),
         };
         view.inputs.upload_frame(
@@ -201,7 +201,8 @@ impl Renderer {
         let frame_timing = recording.submit()?;
         let sweep = slice.map(|slice| view.slices.advance(slice));
         let added = slice.map_or(1, Slice::completed_samples);
-        view.image.advance(work, added, share.base, share.estimated);
+        let base = view.has_base().then_some(share.base);
+        view.image.advance(work, added, base, share.estimated);
         if let Some(sweep) = sweep {
             view.image.await_sweep(sweep);
         }

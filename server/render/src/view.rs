@@ -32,6 +32,8 @@ pub struct View {
     pub(crate) shadows: ShadowMaps,
     pub(crate) light_volume: Option<LightVolume>,
     pub(crate) image: Image,
+    /// Pictures since anything but the camera changed.
+    pub(crate) turn: u32,
     /// The camera of the last picture, whose residuals were carried over.
     pub(crate) history_camera: Option<Camera>,
     /// The camera that the residuals were seen from, while they may be carried over.
@@ -140,6 +142,7 @@ impl View {
             shadows,
             light_volume: light_volume_for(device, &scene, &plan)?,
             image: Image::new(),
+            turn: 0,
             history_camera: None,
             residual_camera: None,
             slices: Slices::new(slice_budget(device)),
@@ -188,8 +191,12 @@ impl View {
         if change.geometry || !self.inputs.fits(&scene) {
             self.inputs = Inputs::new(device, &scene);
         }
+        // The same scene gives the same bits, however often it was another in between.
         if targets.is_some() || !change.only_camera() {
             self.residual_camera = None;
+            self.turn = 0;
+        } else {
+            self.turn += u32::from(change.restarts());
         }
         if let Some(targets) = targets {
             self.targets = targets;
@@ -222,6 +229,7 @@ impl View {
         (self.limits, self.plan) = (limits, plan);
         self.ring = ReadbackRing::new(device, width, height);
         self.residual_camera = None;
+        self.turn = 0;
         self.image.restart();
         self.slices.restart();
         Ok(())
@@ -238,11 +246,13 @@ impl View {
         let slice = (work == Work::Sample && traces).then(|| self.next_slice(corrected));
         let samples = self.image.samples() + slice.map_or(0, Slice::completed_samples);
         Share {
-            base: !corrected || self.image.wants_base(),
+            base: !corrected || self.image.wants_base(stop),
             slice,
-            estimated: !corrected
-                || work == Work::Redisplay
-                || self.image.wants_estimate(samples, stop),
+            estimated: match work {
+                Work::Sample => !corrected || self.image.wants_estimate(samples, stop),
+                Work::Redisplay => corrected && self.image.is_behind(),
+                Work::Nothing | Work::Wait => false,
+            },
             restarts: corrected && self.image.is_new(),
         }
     }
@@ -251,7 +261,7 @@ impl View {
         let done = self.image.samples();
         let most = self.image.most_samples(self.scene.render.stop);
         let thinned = (corrected && self.image.is_new())
-            .then(|| self.slices.thinned(self.size(), self.image.epoch()))
+            .then(|| self.slices.thinned(self.size(), self.turn))
             .flatten();
         let slice = thinned.unwrap_or_else(|| self.slices.next(self.size(), done, most));
         Slice {
@@ -273,6 +283,11 @@ impl View {
             let samples = self.image.samples();
             correction.look_back(device, last, &self.scene.camera, samples);
         }
+    }
+
+    /// Whether the technique has a mean of its own beside the traced one.
+    pub(crate) fn has_base(&self) -> bool {
+        self.plan.runs(PassKind::Correction) && self.plan.runs(PassKind::Film)
     }
 
     /// How often a frame with this share sums the transmittance.
