@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::json;
 use tyndall_metrics::relative_rmse_trim;
 use tyndall_render::{Renderer, Still};
-use tyndall_scene::{Scene, ShadowMode, StopRule, presets};
+use tyndall_scene::{CorrectionMode, Scene, ShadowMode, StopRule, presets};
 use tyndall_tests::gpu;
 
 /// Picture and the least time of the named passes: what else runs on the machine only adds. Unit: ms.
@@ -32,6 +32,7 @@ const MARCH: [&str; 3] = ["single_scattering", "gather", "rejected_pixels"];
 
 /// Errors and march times of 4×4 against the full march with as many strata.
 fn against_full(name: &str, mut scene: Scene) -> (f64, f64) {
+    scene.render.correction = CorrectionMode::Off;
     scene.render.single_scattering.steps = 128;
     scene.render.shadows.mode = ShadowMode::Mapped;
     let mut renderer = gpu::renderer();
