@@ -12,6 +12,8 @@ use tokio_tungstenite::tungstenite::Message;
 use tyndall_stream::header::Codec;
 
 const ENDLESS: u32 = 60_000;
+/// After which a frame that was not acknowledged no longer counts.
+const UNWEDGE: Duration = Duration::from_secs(2);
 
 #[tokio::test]
 async fn hello_is_answered_by_welcome_scene_plan_and_frames_until_converged() {
@@ -46,28 +48,30 @@ async fn hello_is_answered_by_welcome_scene_plan_and_frames_until_converged() {
     server.stop().await;
 }
 
+/// Bounds hold however slowly this machine runs: no frame is given up before two seconds have passed
+/// since the client's greeting, and what is sent later may come as late as the machine is busy.
 #[tokio::test]
 async fn silent_client_gets_two_frames_and_more_after_two_seconds() {
     let server = start(scene(ENDLESS)).await;
+    let greeting = Instant::now();
     let (mut client, _) = Client::enter(&server, hello()).await;
     client.polite = false;
-    let first = frames(&client.during(Duration::from_millis(1500)).await);
-    assert_eq!(first.len(), 2);
-    // One or two may have been replaced before the socket was ready.
+    client.frame().await;
+    let (second, _) = client.frame().await;
+    let (third, _) = client.frame().await;
+    let waited = greeting.elapsed();
+    assert!(waited >= UNWEDGE, "a third frame after {waited:?}");
+    assert!(third.frame_id > second.frame_id);
+    // Two for every time that two were given up; as many again may have been replaced before the
+    // socket was ready.
     let rendered = server.script.frames.load(Ordering::SeqCst);
+    let windows = 1 + greeting.elapsed().as_secs() / UNWEDGE.as_secs();
     assert!(
-        rendered <= 4,
-        "{rendered} frames for a client that acknowledged none"
+        rendered <= 4 * windows,
+        "{rendered} frames in {:?} for a client that acknowledged none",
+        greeting.elapsed()
     );
-    let start = Instant::now();
-    let (next, _) = client.frame().await;
-    assert!(
-        start.elapsed() < Duration::from_secs(2),
-        "{:?}",
-        start.elapsed()
-    );
-    assert_eq!(next.frame_id, first[1].frame_id + 1);
-    client.ack(next.frame_id).await;
+    client.ack(third.frame_id).await;
     client.frame().await;
     server.stop().await;
 }
