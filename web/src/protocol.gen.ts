@@ -1105,6 +1105,11 @@ jitter: boolean,
  */
 interleave: number, 
 /**
+ * March one of every 2×2 pixels and interpolate between those that end at a pixel's distance; what
+ * has none, or lies at an edge of a shaft, is marched itself. Every sample takes another of the four.
+ */
+half_resolution: boolean, 
+/**
  * Half of the strata of lights with a position equiangular about them, weighted by the balance
  * heuristic: less noise near lights.
  */

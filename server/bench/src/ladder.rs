@@ -45,6 +45,24 @@ impl Claim {
     }
 }
 
+/// What pixels take from their neighbours instead of marching it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sharing {
+    /// Nothing.
+    None,
+    /// Strata, in tiles of 4×4.
+    Interleaved,
+    /// Three of every 2×2 pixels are interpolated.
+    HalfResolution,
+}
+
+impl Sharing {
+    /// Side of the tile of pixels that share the strata of a ray.
+    pub fn interleave(self) -> u32 {
+        if self == Self::Interleaved { 4 } else { 1 }
+    }
+}
+
 /// One setting of one technique.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rung {
@@ -56,6 +74,8 @@ pub struct Rung {
     pub samples: u32,
     /// Whether traced samples, as many, correct the picture.
     pub corrected: bool,
+    /// What pixels share.
+    pub sharing: Sharing,
 }
 
 impl Rung {
@@ -68,10 +88,15 @@ impl Rung {
         }
     }
 
-    /// Name of technique and correction.
+    /// Name of technique, sharing and correction.
     pub fn name(self) -> String {
         let corrected = if self.corrected { "+correction" } else { "" };
-        format!("{}{corrected}", self.technique.name())
+        let sharing = match self.sharing {
+            Sharing::None => "",
+            Sharing::Interleaved => "+interleaved",
+            Sharing::HalfResolution => "+half_resolution",
+        };
+        format!("{}{sharing}{corrected}", self.technique.name())
     }
 }
 
@@ -82,6 +107,7 @@ pub fn ladder(technique: Technique, quick: bool) -> Vec<Rung> {
         steps,
         samples,
         corrected,
+        sharing: Sharing::None,
     };
     let counts: &[u32] = if quick {
         &[1, 4, 16]
@@ -102,7 +128,15 @@ pub fn ladder(technique: Technique, quick: bool) -> Vec<Rung> {
                     .map(move |samples| rung(Some(steps), *samples, false))
             });
             let corrected = counts.iter().map(|samples| rung(Some(32), *samples, true));
-            own.chain(corrected).collect()
+            let most = *steps.last().unwrap_or(&32);
+            let shared = [Sharing::Interleaved, Sharing::HalfResolution];
+            let shared = shared.into_iter().flat_map(|sharing| {
+                samples.iter().map(move |samples| Rung {
+                    sharing,
+                    ..rung(Some(most), *samples, false)
+                })
+            });
+            own.chain(shared).chain(corrected).collect()
         }
         Technique::Reference => {
             let own = counts.iter().map(|samples| rung(None, *samples, false));
@@ -123,11 +157,12 @@ mod tests {
     #[test]
     fn the_full_ladder_spans_8_to_128_steps_and_1_to_64_samples() {
         let rungs = ladder(Technique::SingleScattering, false);
-        assert_eq!(rungs.len(), 25);
+        assert_eq!(rungs.len(), 33);
         assert_eq!((rungs[0].steps, rungs[0].samples), (Some(8), 1));
         assert_eq!((rungs[19].steps, rungs[19].samples), (Some(128), 64));
-        assert!(!rungs[19].corrected && rungs[20].corrected);
-        assert_eq!(rungs[20].claim(), Claim::Whole);
+        assert_eq!(rungs[20].name(), "single_scattering+interleaved");
+        assert!(!rungs[27].corrected && rungs[28].corrected);
+        assert_eq!(rungs[28].claim(), Claim::Whole);
         let samples: Vec<u32> = ladder(Technique::Reference, false)
             .iter()
             .filter(|rung| !rung.corrected)

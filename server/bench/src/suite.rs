@@ -10,7 +10,7 @@ use tyndall_scene::description::render::{CorrectionMode, Technique};
 use tyndall_scene::{Scene, SceneEdit, apply_edit};
 
 use crate::error::BenchError;
-use crate::ladder::{Claim, Rung, ladder};
+use crate::ladder::{Claim, Rung, Sharing, ladder};
 use crate::machine::Machine;
 use crate::measures::Measures;
 use crate::memory::resident_bytes;
@@ -256,6 +256,8 @@ impl Suite {
                 CorrectionMode::Off
             });
             render.single_scattering.steps = rung.steps.unwrap_or(render.single_scattering.steps);
+            render.single_scattering.interleave = rung.sharing.interleave();
+            render.single_scattering.half_resolution = rung.sharing == Sharing::HalfResolution;
             (render.samples, render.time_seconds) = (Some(rung.samples), None);
             render.relative_error = None;
         }

@@ -33,7 +33,7 @@ pub enum PassKind {
     LightVolume,
     /// Light scattered once in the media.
     SingleScattering,
-    /// Brings interleaved strata together.
+    /// Brings interleaved strata together, and fills in pixels that were not marched.
     Gather,
     /// Light of emissive triangles and the environment, scattered once.
     AreaLights,
@@ -326,12 +326,11 @@ fn plan_march(
             &format!("single_scattering{suffix}"),
             march.reason(facts, settings, lights, limits),
         );
-        if march.interleave > 1 {
-            let side = march.interleave;
+        if march.is_shared() {
             plan.run(
                 PassKind::Gather,
                 &format!("single_scattering+list{suffix}"),
-                format!("strata of {side}×{side} pixels; what is at no neighbour's distance is marched in full"),
+                march.sharing(),
             );
         } else {
             plan.skip(PassKind::Gather, "", "every pixel takes all strata");

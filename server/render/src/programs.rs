@@ -36,6 +36,8 @@ pub(crate) struct Constants {
     pub isotropic: bool,
     /// Side of the tile of pixels that share a ray's strata.
     pub interleave: u32,
+    /// Side of the block of pixels of which one is marched.
+    pub spacing: u32,
     /// Whether half of the strata are equiangular about the light.
     pub equiangular: bool,
     /// Whether a Gauss rule takes the place of strata.
@@ -60,6 +62,7 @@ impl Constants {
             "GLOWS" => Some(f64::from(self.glows)),
             "ISOTROPIC" => Some(f64::from(self.isotropic)),
             "INTERLEAVE" => Some(f64::from(self.interleave)),
+            "SPACING" => Some(f64::from(self.spacing)),
             "EQUIANGULAR" => Some(f64::from(self.equiangular)),
             "QUADRATURE" => Some(f64::from(self.quadrature)),
             "SHADOWED" => Some(f64::from(self.shadowed)),
@@ -83,6 +86,7 @@ impl Constants {
             glows: self.glows && declares("GLOWS"),
             isotropic: self.isotropic && declares("ISOTROPIC"),
             interleave: kept(self.interleave, "INTERLEAVE"),
+            spacing: kept(self.spacing, "SPACING"),
             equiangular: self.equiangular && declares("EQUIANGULAR"),
             quadrature: self.quadrature && declares("QUADRATURE"),
             shadowed: self.shadowed && declares("SHADOWED"),

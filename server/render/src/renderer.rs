@@ -285,6 +285,7 @@ fn constants(
         glows: facts.medium_emits,
         isotropic: !facts.anisotropic,
         interleave: march.interleave,
+        spacing: march.spacing,
         equiangular: march.equiangular,
         quadrature: march.quadrature,
         shadowed: scene.render.shadows.mode != ShadowMode::Off,

@@ -12,14 +12,15 @@ pub(crate) const GBUFFER_FORMATS: [wgpu::TextureFormat; 3] = [wgpu::TextureForma
 pub(crate) struct Targets {
     pub width: u32,
     pub height: u32,
+    pub needs: TargetNeeds,
     /// Present when the plan shades surfaces.
     pub surfaces: Option<SurfaceTargets>,
     /// Present when the plan marches.
     pub in_scattered_radiance: Option<wgpu::TextureView>,
     /// Present when the plan looks at area lights.
     pub area_radiance: Option<wgpu::TextureView>,
-    /// Present when the march is interleaved.
-    pub interleaved: Option<InterleavedTargets>,
+    /// Present when pixels share what they march.
+    pub shared_march: Option<SharedMarchTargets>,
     /// Four f32 a pixel.
     pub film: wgpu::Buffer,
     /// Present when the plan traces paths.
@@ -61,6 +62,36 @@ pub(crate) struct ReferenceTargets {
 }
 
 impl ReferenceTargets {
+    /// For a picture of this size; `corrected` if the traced mean is not the picture itself.
+    fn new(
+        device: &Device,
+        (width, height): (u32, u32),
+        corrected: bool,
+        buffer: impl Fn(&str, u64) -> wgpu::Buffer,
+    ) -> Self {
+        Self {
+            traced_film: corrected.then(|| buffer("traced_film", 16)),
+            moments: buffer("moments", 16),
+            even_means: buffer("even_means", 16),
+            film_albedo: buffer("film_albedo", 16),
+            film_normal: buffer("film_normal", 16),
+            waiting: [
+                "waiting_origins",
+                "waiting_directions",
+                "waiting_throughputs",
+                "waiting_radiances",
+            ]
+            .map(|name| (name, buffer(name, 16))),
+            // As many as 8×8 tiles, rounded up on both sides, for any shape.
+            tile_sums: device.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("tile_sums"),
+                size: u64::from(width.div_ceil(8)) * u64::from(height.div_ceil(8)) * 16,
+                usage: wgpu::BufferUsages::STORAGE,
+                mapped_at_creation: false,
+            }),
+        }
+    }
+
     /// Records that no pixel has a sample.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         let own = [
@@ -81,23 +112,37 @@ impl ReferenceTargets {
     }
 }
 
-/// What the interleaved march and its gathering keep.
+/// What a march that pixels share and its gathering keep, of the pixels that are marched. Alpha: see
+/// `techniques/single_scattering/march_end.wesl`.
 #[derive(Debug)]
-pub(crate) struct InterleavedTargets {
-    /// A share of the in-scatter, and the distance at which the march ended.
+pub(crate) struct SharedMarchTargets {
+    /// In-scatter, a share of it if interleaved.
     pub marched_radiance: wgpu::TextureView,
-    /// Gathered along the rows.
-    pub gathered_rows: wgpu::TextureView,
-    /// Gathered along both, and the accepted share of the window.
-    pub gathered_radiance: wgpu::TextureView,
+    /// Present when interleaved.
+    pub gathered: Option<GatheredTargets>,
     /// See `techniques/single_scattering/pixel_list.wesl`.
     pub rejected_pixels: wgpu::Buffer,
     /// An empty list's first words.
     empty_list: wgpu::Buffer,
 }
 
-impl InterleavedTargets {
-    fn new(device: &Device, pixels: u64, texture: impl Fn(&str) -> wgpu::TextureView) -> Self {
+/// Interleaved strata brought together.
+#[derive(Debug)]
+pub(crate) struct GatheredTargets {
+    /// Along the rows.
+    pub rows: wgpu::TextureView,
+    /// Along both.
+    pub radiance: wgpu::TextureView,
+}
+
+impl SharedMarchTargets {
+    /// For a list of up to `pixels`, with textures of the marched pixels.
+    fn new(
+        device: &Device,
+        pixels: u64,
+        needs: SharedMarch,
+        texture: impl Fn(&str) -> wgpu::TextureView,
+    ) -> Self {
         let buffer = |label: &str, size: u64, usage: wgpu::BufferUsages| {
             device.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -111,8 +156,10 @@ impl InterleavedTargets {
         let none: [u32; 4] = [0, 1, 1, 0];
         Self {
             marched_radiance: texture("marched_radiance"),
-            gathered_rows: texture("gathered_rows"),
-            gathered_radiance: texture("gathered_radiance"),
+            gathered: needs.interleaved.then(|| GatheredTargets {
+                rows: texture("gathered_rows"),
+                radiance: texture("gathered_radiance"),
+            }),
             rejected_pixels: buffer("rejected_pixels", 16 + 4 * pixels, listed | copied),
             empty_list: wgpu::util::DeviceExt::create_buffer_init(
                 &device.device,
@@ -123,6 +170,12 @@ impl InterleavedTargets {
                 },
             ),
         }
+    }
+
+    /// What every pixel has of the marched ones: gathered, or marched in full.
+    pub fn restorable(&self) -> &wgpu::TextureView {
+        let gathered = self.gathered.as_ref();
+        gathered.map_or(&self.marched_radiance, |gathered| &gathered.radiance)
     }
 
     /// Records the emptying of the list.
@@ -139,11 +192,20 @@ pub(crate) struct TargetNeeds {
     pub emission: bool,
     pub in_scatter: bool,
     pub area: bool,
-    pub interleaved: bool,
+    pub shared_march: Option<SharedMarch>,
     pub reference: bool,
     pub correction: bool,
     /// Whether it carries residuals over from picture to picture.
     pub history: bool,
+}
+
+/// How pixels share what they march.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct SharedMarch {
+    /// Strata of a ray.
+    pub interleaved: bool,
+    /// Side of the block of which one is marched.
+    pub spacing: u32,
 }
 
 impl Targets {
@@ -167,7 +229,10 @@ impl Targets {
                 max_side,
             });
         }
-        let texture = |label: &str, format: wgpu::TextureFormat, usage: wgpu::TextureUsages| {
+        let sized = |(width, height): (u32, u32),
+                     label: &str,
+                     format: wgpu::TextureFormat,
+                     usage: wgpu::TextureUsages| {
             device
                 .device
                 .create_texture(&wgpu::TextureDescriptor {
@@ -186,6 +251,9 @@ impl Targets {
                 })
                 .create_view(&wgpu::TextureViewDescriptor::default())
         };
+        let texture = |label: &str, format: wgpu::TextureFormat, usage: wgpu::TextureUsages| {
+            sized((width, height), label, format, usage)
+        };
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let stored = wgpu::TextureUsages::STORAGE_BINDING;
         let buffer = |label: &str, bytes_per_pixel: u64| {
@@ -203,6 +271,7 @@ impl Targets {
         Ok(Self {
             width,
             height,
+            needs,
             surfaces: needs.surfaces.then(|| SurfaceTargets {
                 depth: texture("gbuffer.depth", wgpu::TextureFormat::Depth32Float, drawn),
                 base_color: texture("gbuffer.base_color", color_format, drawn),
@@ -218,34 +287,18 @@ impl Targets {
             area_radiance: needs
                 .area
                 .then(|| texture("area_radiance", radiance, stored)),
-            interleaved: needs.interleaved.then(|| {
-                let stored = |label: &str| texture(label, radiance, stored);
-                InterleavedTargets::new(device, pixels, stored)
+            shared_march: needs.shared_march.map(|shared| {
+                let side = shared.spacing.max(1);
+                let marched = (width.div_ceil(side), height.div_ceil(side));
+                let stored = |label: &str| sized(marched, label, radiance, stored);
+                SharedMarchTargets::new(device, pixels, shared, stored)
             }),
             correction: needs
                 .correction
                 .then(|| Correction::new(device, width, height, needs.history)),
-            reference: needs.reference.then(|| ReferenceTargets {
-                traced_film: needs.correction.then(|| buffer("traced_film", 16)),
-                moments: buffer("moments", 16),
-                even_means: buffer("even_means", 16),
-                film_albedo: buffer("film_albedo", 16),
-                film_normal: buffer("film_normal", 16),
-                waiting: [
-                    "waiting_origins",
-                    "waiting_directions",
-                    "waiting_throughputs",
-                    "waiting_radiances",
-                ]
-                .map(|name| (name, buffer(name, 16))),
-                // As many as 8×8 tiles, rounded up on both sides, for any shape.
-                tile_sums: device.device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some("tile_sums"),
-                    size: u64::from(width.div_ceil(8)) * u64::from(height.div_ceil(8)) * 16,
-                    usage: wgpu::BufferUsages::STORAGE,
-                    mapped_at_creation: false,
-                }),
-            }),
+            reference: needs
+                .reference
+                .then(|| ReferenceTargets::new(device, (width, height), needs.correction, buffer)),
             film: buffer("film", 16),
             displayed: buffer("displayed", 4),
         })

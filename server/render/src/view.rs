@@ -11,11 +11,11 @@ use crate::error::RenderError;
 use crate::frame::Share;
 use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
 use crate::image::{Change, Image, Work};
-use crate::plan::{FramePlan, PassKind, PlanLimits, plan};
+use crate::plan::{FramePlan, March, PassKind, PlanLimits, plan};
 use crate::programs::Bindings;
 use crate::readback::{FinishedFrame, ReadbackRing};
 use crate::slices::{Slice, Slices};
-use crate::targets::{TargetNeeds, Targets};
+use crate::targets::{SharedMarch, TargetNeeds, Targets};
 use crate::techniques::shadow_maps::ShadowMaps;
 use crate::techniques::single_scattering::LightVolume;
 use crate::timing::Timing;
@@ -98,21 +98,24 @@ impl ViewParts<'_> {
             bindings
                 .texture("in_scattered_radiance", radiance)
                 .texture("in_scattered_radiance_written", radiance);
-            // Without interleaving the march's share is all of it.
-            let marched = targets.interleaved.as_ref();
+            // Where nothing is shared, what is marched is all of it.
+            let marched = targets.shared_march.as_ref();
             let marched = marched.map_or(radiance, |targets| &targets.marched_radiance);
             bindings.texture("marched_radiance", marched);
         }
         if let Some(radiance) = &targets.area_radiance {
             bindings.texture("area_radiance", radiance);
         }
-        if let Some(interleaved) = &targets.interleaved {
+        if let Some(shared) = &targets.shared_march {
             bindings
-                .texture("gathered_rows", &interleaved.gathered_rows)
-                .texture("gathered_rows_written", &interleaved.gathered_rows)
-                .texture("gathered_radiance", &interleaved.gathered_radiance)
-                .texture("gathered_radiance_written", &interleaved.gathered_radiance)
-                .buffer("rejected_pixels", &interleaved.rejected_pixels);
+                .texture("gathered_radiance", shared.restorable())
+                .buffer("rejected_pixels", &shared.rejected_pixels);
+            if let Some(gathered) = &shared.gathered {
+                bindings
+                    .texture("gathered_rows", &gathered.rows)
+                    .texture("gathered_rows_written", &gathered.rows)
+                    .texture("gathered_radiance_written", &gathered.radiance);
+            }
         }
         if let Some(volume) = self.light_volume {
             volume.bind(bindings);
@@ -137,7 +140,7 @@ impl View {
         let mut shadows = ShadowMaps::new(device);
         fit_shadows(&mut shadows, device, &scene, &facts, &plan)?;
         Ok(Self {
-            targets: Targets::new(device, width, height, needs(&plan))?,
+            targets: Targets::new(device, width, height, needs(&plan, &facts, &scene, limits))?,
             inputs: Inputs::new(device, &scene),
             shadows,
             light_volume: light_volume_for(device, &scene, &plan)?,
@@ -169,8 +172,9 @@ impl View {
         let facts = tyndall_scene::facts(&scene);
         let plan = plan(&facts, &scene.render, &self.limits);
         let (width, height) = self.size();
-        let targets = if change.geometry || needs(&plan) != needs(&self.plan) {
-            Some(Targets::new(device, width, height, needs(&plan))?)
+        let needs = needs(&plan, &facts, &scene, self.limits);
+        let targets = if change.geometry || needs != self.targets.needs {
+            Some(Targets::new(device, width, height, needs)?)
         } else {
             None
         };
@@ -225,7 +229,8 @@ impl View {
         let limits = limits_at(device, self.limits, (width, height));
         let plan = plan(&self.facts, &self.scene.render, &limits);
         need_placement(device, &self.assets.placement, &plan)?;
-        self.targets = Targets::new(device, width, height, needs(&plan))?;
+        let needs = needs(&plan, &self.facts, &self.scene, limits);
+        self.targets = Targets::new(device, width, height, needs)?;
         (self.limits, self.plan) = (limits, plan);
         self.ring = ReadbackRing::new(device, width, height);
         self.residual_camera = None;
@@ -444,7 +449,8 @@ fn moved_bounds(old: &Geometry, new: &Geometry) -> Vec<Aabb> {
         .collect()
 }
 
-fn needs(plan: &FramePlan) -> TargetNeeds {
+fn needs(plan: &FramePlan, facts: &SceneFacts, scene: &Scene, limits: PlanLimits) -> TargetNeeds {
+    let march = March::of(facts, &scene.render, limits);
     TargetNeeds {
         surfaces: plan.runs(PassKind::Shade),
         emission: plan
@@ -452,7 +458,10 @@ fn needs(plan: &FramePlan) -> TargetNeeds {
             .is_some_and(|variant| variant.contains("+emissive")),
         in_scatter: plan.runs(PassKind::SingleScattering),
         area: plan.runs(PassKind::AreaLights),
-        interleaved: plan.runs(PassKind::Gather),
+        shared_march: plan.runs(PassKind::Gather).then_some(SharedMarch {
+            interleaved: march.interleave > 1,
+            spacing: march.spacing,
+        }),
         reference: plan.runs(PassKind::Reference),
         correction: plan.runs(PassKind::Correction),
         history: plan

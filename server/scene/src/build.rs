@@ -235,6 +235,7 @@ fn render(render: &RenderDescription) -> RenderSettings {
             steps: render.single_scattering.steps,
             jitter: render.single_scattering.jitter,
             interleave: render.single_scattering.interleave,
+            half_resolution: render.single_scattering.half_resolution,
             equiangular: render.single_scattering.equiangular,
         },
         reference: ReferenceSettings {

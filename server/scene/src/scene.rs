@@ -300,6 +300,8 @@ pub struct SingleScatteringSettings {
     pub jitter: bool,
     /// Side M of the tile of pixels that share the strata of one ray: 1, 2, 4 or 8.
     pub interleave: u32,
+    /// Whether one of every 2×2 pixels is marched and the others are interpolated.
+    pub half_resolution: bool,
     /// Whether half of the strata of lights with a position are equiangular about them.
     pub equiangular: bool,
 }

@@ -1,4 +1,4 @@
-//! The interleaved march against the full one, in one run.
+//! The march that pixels share, interleaved or at half resolution, against the full one, in one run.
 
 use std::sync::Arc;
 
@@ -8,61 +8,90 @@ use tyndall_render::{Renderer, Still};
 use tyndall_scene::{CorrectionMode, Scene, ShadowMode, StopRule, presets};
 use tyndall_tests::gpu;
 
-/// Picture and the least time of the named passes: what else runs on the machine only adds. Unit: ms.
-fn shot(renderer: &mut Renderer, scene: &Scene, frames: u32, passes: &[&str]) -> (Still, f64) {
+/// Picture and the least times of the march's passes: what else runs on the machine only adds. Unit: ms.
+fn shot(renderer: &mut Renderer, scene: &Scene, frames: u32) -> (Still, [f64; 3]) {
     let mut scene = scene.clone();
     scene.render.stop = StopRule::Samples(frames);
     let (width, height) = (scene.render.width, scene.render.height);
     let mut view = renderer
         .create_view(Arc::new(scene), width, height)
         .expect("rendered");
-    let mut times = Vec::new();
+    let mut least = [f64::INFINITY; 3];
     for _ in 1..frames {
         renderer.render(&mut view, 0).expect("rendered");
         renderer.wait().expect("a device that answers");
         let frame = view.take_finished().expect("a frame");
-        let of = frame.pass_times.iter().filter(|t| passes.contains(&t.name));
-        times.push(of.map(|t| f64::from(t.micros) / 1e3).sum::<f64>());
+        for (least, pass) in least.iter_mut().zip(MARCH) {
+            let of = frame.pass_times.iter().filter(|t| t.name == pass);
+            *least = least.min(of.map(|t| f64::from(t.micros) / 1e3).sum());
+        }
     }
     let still = renderer.render_still(&mut view, |_| {}).expect("rendered");
-    (still, times.into_iter().fold(f64::INFINITY, f64::min))
+    (still, least)
 }
 
+/// Samples of a picture: two of every pixel of a block at half resolution.
+const FRAMES: u32 = 8;
 const MARCH: [&str; 3] = ["single_scattering", "gather", "rejected_pixels"];
 
-/// Errors and march times of 4×4 against the full march with as many strata.
-fn against_full(name: &str, mut scene: Scene) -> (f64, f64) {
+/// A way of sharing, its error against the full march, and its share of the full march's time.
+struct Shared {
+    interleave: u32,
+    half_resolution: bool,
+    error: f64,
+    ratio: f64,
+}
+
+/// Ways of sharing 128 strata against the full march with as many.
+fn against_full(name: &str, ways: &[(u32, bool)]) -> Vec<Shared> {
+    let description = presets::description(name).expect("a preset");
+    let mut scene = tyndall_scene::build(description, None)
+        .expect("valid")
+        .scene;
+    (scene.render.width, scene.render.height) = (640, 360);
     scene.render.correction = CorrectionMode::Off;
     scene.render.single_scattering.steps = 128;
     scene.render.shadows.mode = ShadowMode::Mapped;
     let mut renderer = gpu::renderer();
-    let (full, full_millis) = shot(&mut renderer, &scene, 8, &MARCH);
-    scene.render.single_scattering.interleave = 4;
-    let (interleaved, millis) = shot(&mut renderer, &scene, 8, &MARCH);
-    let error =
-        relative_rmse_trim(&gpu::image(&interleaved), &gpu::image(&full)).expect("same size");
-    let ratio = millis / full_millis;
-    println!(
-        "{name}: 4×4 of 128 strata: error {error:.4} against the full march, {millis:.1} of {full_millis:.1} ms = 1/{:.1}",
-        1.0 / ratio
-    );
-    (error, ratio)
+    let (full, full_millis) = shot(&mut renderer, &scene, FRAMES);
+    let full_millis: f64 = full_millis.iter().sum();
+    let against = |&(interleave, half_resolution): &(u32, bool)| {
+        scene.render.single_scattering.interleave = interleave;
+        scene.render.single_scattering.half_resolution = half_resolution;
+        let (shared, millis) = shot(&mut renderer, &scene, FRAMES);
+        let error =
+            relative_rmse_trim(&gpu::image(&shared), &gpu::image(&full)).expect("same size");
+        let ratio = millis.iter().sum::<f64>() / full_millis;
+        println!(
+            "{name}: {interleave}×{interleave} of 128 strata, half resolution {half_resolution}: error {error:.4} \
+             against the full march, {millis:.1?} of {full_millis:.1} ms = 1/{:.1}",
+            1.0 / ratio
+        );
+        Shared {
+            interleave,
+            half_resolution,
+            error,
+            ratio,
+        }
+    };
+    ways.iter().map(against).collect()
 }
 
 #[test]
-fn four_by_four_is_a_few_times_cheaper_than_the_full_march_and_within_one_percent_of_it() {
-    // Measured 0.009 and 1/6.1 (hall), 0.002 and 1/3.4 (box), where the goal is 0.01 and 1/8: of the time,
-    // a third are the pixels that are marched in full and, on a software driver, the gathering.
-    for name in ["fogged_hall", "cornell_fog"] {
-        let description = presets::description(name).expect("a preset");
-        let mut scene = tyndall_scene::build(description, None)
-            .expect("valid")
-            .scene;
-        (scene.render.width, scene.render.height) = (640, 360);
-        let (error, ratio) = against_full(name, scene);
-        assert!(error < 0.01, "{name}: {error}");
-        // The machines that run this are shared: the ratio is of one run, and still noisy.
-        assert!(ratio < 0.5, "{name}: {ratio}");
+fn four_by_four_and_half_resolution_are_a_few_times_cheaper_and_within_one_percent() {
+    // Measured beside other load: hall 0.009 at 1/4.9 (4×4; 1/7.4 on an idle machine), 0.004 at 1/3.1 (half
+    // resolution), 0.010 at 1/5.9 (both, 2×2), where the goal of 4×4 is 0.01 and 1/8: of the time, a third
+    // are the pixels at edges of shafts, which are marched in full.
+    for (name, ways) in [
+        ("fogged_hall", &[(4, false), (1, true)][..]),
+        ("cornell_fog", &[(4, false)]),
+    ] {
+        for shared in against_full(name, ways) {
+            let way = (shared.interleave, shared.half_resolution);
+            assert!(shared.error < 0.01, "{name}: {way:?}: {}", shared.error);
+            // The machines that run this are shared: the ratio is of one run, and still noisy.
+            assert!(shared.ratio < 0.5, "{name}: {way:?}: {}", shared.ratio);
+        }
     }
 }
 
@@ -81,14 +110,21 @@ fn equal_rays_give_the_full_sum_to_float_precision() {
     }));
     let mut renderer = gpu::renderer();
     let full = gpu::render(&mut renderer, scene.clone());
-    for side in [2, 4, 8] {
+    for (side, half_resolution) in [(2, false), (4, false), (8, false), (1, true), (4, true)] {
         let mut shared = scene.clone();
         shared.render.single_scattering.interleave = side;
+        shared.render.single_scattering.half_resolution = half_resolution;
         let gathered = gpu::render(&mut renderer, shared);
         for (a, b) in gathered.radiance.iter().zip(&full.radiance) {
             for c in 0..3 {
                 let error = (a[c] - b[c]).abs() / b[c];
-                assert!(error < 2e-5, "{side}×{side}: {} for {}", a[c], b[c]);
+                // Beyond the outermost marched pixels nothing is known of how it goes on.
+                assert!(
+                    error < if half_resolution { 1e-4 } else { 2e-5 },
+                    "{side}×{side}, half resolution {half_resolution}: {} for {}",
+                    a[c],
+                    b[c]
+                );
             }
         }
     }

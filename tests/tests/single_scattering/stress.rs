@@ -1,5 +1,5 @@
 //! Extremes (algorithms §2 and §7.8): every picture is finite and not negative, which `gpu::render`
-//! asserts of each, plain, interleaved, equiangular and with traced shadows.
+//! asserts of each, plain, interleaved, at half resolution, equiangular and with traced shadows.
 
 use serde_json::{Value, json};
 use tyndall_scene::{Scene, ShadowMode};
@@ -17,11 +17,17 @@ fn scene(camera: [f64; 3], media: &Value, lights: &Value, geometry: &Value) -> S
 /// Renders it in every way; returns the mean of the first.
 fn mean(scene: &Scene) -> f64 {
     let mut ways = Vec::new();
-    for (interleave, equiangular) in [(1, false), (4, false), (2, true), (1, true)] {
+    for (interleave, equiangular, half) in [
+        (1, false, false),
+        (4, false, false),
+        (2, true, true),
+        (1, true, false),
+    ] {
         for mode in [ShadowMode::Mapped, ShadowMode::Traced] {
             let mut way = scene.clone();
             way.render.single_scattering.interleave = interleave;
             way.render.single_scattering.equiangular = equiangular;
+            way.render.single_scattering.half_resolution = half;
             way.render.shadows.mode = mode;
             way.render.shadows.resolution = 64;
             ways.push(estimate::with_renderer(|renderer| {

@@ -82,6 +82,13 @@ export function addQuality(
     { value: 4, label: '4 × 4' },
     { value: 8, label: '8 × 8' },
   ]);
+  const half = touch(
+    () => march.half_resolution,
+    (value) => {
+      march.half_resolution = value;
+    },
+  );
+  addCheckbox(folder, half, 'Half resolution');
   const equiangular = touch(
     () => march.equiangular,
     (value) => {

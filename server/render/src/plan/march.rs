@@ -11,6 +11,8 @@ pub(crate) struct March {
     pub steps: u32,
     /// Side of the tile of pixels that share them.
     pub interleave: u32,
+    /// Side of the block of pixels of which one is marched.
+    pub spacing: u32,
     /// Whether half of them are equiangular about the light.
     pub equiangular: bool,
     /// Whether they are a Gauss rule's nodes.
@@ -24,6 +26,7 @@ impl March {
     /// Decides it for a scene with these facts.
     pub fn of(facts: &SceneFacts, settings: &RenderSettings, limits: PlanLimits) -> Self {
         let wanted = &settings.single_scattering;
+        let spacing = if wanted.half_resolution { 2 } else { 1 };
         let unshadowed = visibility(facts, settings) == ShadowMode::Off;
         // A cone has edges, a narrow lobe a peak, a grid anything: no rule of few nodes sees them.
         let smooth = !facts.heterogeneous && facts.spot_lights == 0 && facts.max_abs_g <= 0.5;
@@ -32,6 +35,7 @@ impl March {
             return Self {
                 steps: NODES,
                 interleave: 1,
+                spacing,
                 equiangular: false,
                 quadrature: true,
             };
@@ -50,9 +54,32 @@ impl March {
                 (most / share * share).max(share)
             },
             interleave,
+            spacing,
             equiangular,
             quadrature: false,
         }
+    }
+
+    /// Whether pixels take from their neighbours what they did not march themselves.
+    pub fn is_shared(self) -> bool {
+        self.interleave > 1 || self.spacing > 1
+    }
+
+    /// How they do.
+    pub(super) fn sharing(self) -> String {
+        let mut how = Vec::new();
+        if self.interleave > 1 {
+            let side = self.interleave;
+            how.push(format!("strata of {side}×{side} pixels"));
+        }
+        if self.spacing > 1 {
+            let side = self.spacing;
+            how.push(format!("one of {side}×{side} pixels is marched"));
+        }
+        format!(
+            "{}; what is at no neighbour's distance is marched in full",
+            how.join(", ")
+        )
     }
 
     pub(super) fn reason(

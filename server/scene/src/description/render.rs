@@ -65,6 +65,9 @@ pub struct SingleScattering {
     /// Side of the tile of pixels that share the strata of one ray: 1, 2, 4 or 8. Above 1, each pixel
     /// takes its share of them and gathers the rest from its neighbours.
     pub interleave: u32,
+    /// March one of every 2×2 pixels and interpolate between those that end at a pixel's distance; what
+    /// has none, or lies at an edge of a shaft, is marched itself. Every sample takes another of the four.
+    pub half_resolution: bool,
     /// Half of the strata of lights with a position equiangular about them, weighted by the balance
     /// heuristic: less noise near lights.
     pub equiangular: bool,
@@ -166,6 +169,7 @@ impl Default for SingleScattering {
             steps: 32,
             jitter: true,
             interleave: 1,
+            half_resolution: false,
             equiangular: false,
         }
     }

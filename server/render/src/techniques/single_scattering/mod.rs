@@ -5,8 +5,9 @@
 //! emission. Bias: none with jitter in analytic media (unbiased in the ray parameter); without it the
 //! midpoint rule's, second order in the step. Density grids add the trapezoid rule of their optical
 //! depth and the spacing of the light volume, both second order; interleaving adds what is left of
-//! its window's blur, of the fourth order but at edges; shadow maps their resolution's. Cost: steps ×
-//! lights × media a pixel, a M²-th of it interleaved.
+//! its window's blur, of the fourth order but at edges; half resolution what is left of a parabola
+//! between marched pixels, of the fourth order but at edges; shadow maps their resolution's. Cost: steps ×
+//! lights × media a pixel, a M²-th of it interleaved, a quarter at half resolution.
 
 mod light_volume;
 
@@ -26,35 +27,47 @@ pub(crate) fn record(
 ) -> Result<(), RenderError> {
     // Groups of the same rank fill blocks of 8 tiles a side: see `interleave.wesl`.
     let block = 8 * recording.constants.interleave.max(1);
+    let (width, height) = marched_size(recording, targets);
     recording.compute(
         "single_scattering",
         variant,
         bindings,
-        targets.width.next_multiple_of(block),
-        targets.height.next_multiple_of(block),
+        width.next_multiple_of(block),
+        height.next_multiple_of(block),
     )
 }
 
-/// Records the gathering of interleaved strata, and the march of the pixels that it rejects with
-/// permutation `listed`.
+/// Pixels that are marched: see `marched_grid.wesl`.
+fn marched_size(recording: &Recording<'_>, targets: &Targets) -> (u32, u32) {
+    let spacing = recording.constants.spacing.max(1);
+    (
+        targets.width.div_ceil(spacing),
+        targets.height.div_ceil(spacing),
+    )
+}
+
+/// Records the gathering of interleaved strata and the filling in of pixels that were not marched, and
+/// the march of those that neither restores with permutation `listed`.
 pub(crate) fn record_gather(
     recording: &mut Recording<'_>,
     bindings: &Bindings<'_>,
     targets: &Targets,
     listed: &str,
 ) -> Result<(), RenderError> {
-    let Some(interleaved) = &targets.interleaved else {
+    let Some(shared) = &targets.shared_march else {
         return Ok(());
     };
-    let (width, height) = (targets.width, targets.height);
-    interleaved.empty_list(&mut recording.encoder);
-    recording.compute("gather", "gather+rows", bindings, width, height)?;
-    recording.compute("gather", "gather+columns", bindings, width, height)?;
-    recording.compute("gather", "gather+reject", bindings, width, height)?;
-    recording.compute_indirect(
-        "rejected_pixels",
-        listed,
-        bindings,
-        &interleaved.rejected_pixels,
-    )
+    shared.empty_list(&mut recording.encoder);
+    if recording.constants.interleave > 1 {
+        let (width, height) = marched_size(recording, targets);
+        recording.compute("gather", "gather+rows", bindings, width, height)?;
+        recording.compute("gather", "gather+columns", bindings, width, height)?;
+    }
+    let restoring = match (recording.constants.spacing > 1, listed.contains("+grids")) {
+        (false, _) => "gather+reject",
+        (true, false) => "gather+spread",
+        (true, true) => "gather+spread+grids",
+    };
+    recording.compute("gather", restoring, bindings, targets.width, targets.height)?;
+    recording.compute_indirect("rejected_pixels", listed, bindings, &shared.rejected_pixels)
 }
