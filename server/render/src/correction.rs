@@ -39,6 +39,7 @@ pub(crate) struct Correction {
     residuals: wgpu::Buffer,
     band_energies: wgpu::Buffer,
     window_energies: wgpu::Buffer,
+    believed_energies: wgpu::Buffer,
     corrections: wgpu::Buffer,
     /// Expected square error of each pixel, mean of the channels: f32.
     pub square_errors: wgpu::Buffer,
@@ -139,6 +140,7 @@ impl Correction {
             residuals: buffer("residuals", 32 * cells),
             band_energies: buffer("band_energies", 16 * cells),
             window_energies: buffer("window_energies", 16 * cells),
+            believed_energies: buffer("believed_energies", 16 * cells),
             corrections: buffer("corrections", 16 * cells),
             square_errors: buffer("square_errors", (4 * pixels).next_multiple_of(16)),
             base_film: buffer("base_film", 16 * pixels),
@@ -158,6 +160,7 @@ impl Correction {
             .buffer("residuals", &self.residuals)
             .buffer("band_energies", &self.band_energies)
             .buffer("window_energies", &self.window_energies)
+            .buffer("believed_energies", &self.believed_energies)
             .buffer("corrections", &self.corrections)
             .buffer("square_errors", &self.square_errors)
             .buffer("base_film", &self.base_film);
@@ -226,6 +229,9 @@ impl Correction {
         }
         for level in &self.levels {
             link("correction+window_energy", level, window(level));
+        }
+        for level in &self.levels {
+            link("correction+believed_energy", level, window(level));
         }
         for level in self.levels[1..].iter().rev() {
             link("correction+combine", level, own(level));
