@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use tyndall_scene::{Aabb, Camera, CorrectionMode, Geometry, Scene, SceneFacts, ShadowMode};
 
-use crate::correction::largest_buffer;
+use crate::correction::{SAFETY, largest_buffer};
 use crate::device::{AdapterKind, Device};
 use crate::error::RenderError;
 use crate::frame::Share;
@@ -348,6 +348,8 @@ impl View {
         let seconds = traced.map_or(f64::from(frame.render_micros), |t| f64::from(t.micros)) * 1e-6;
         self.slices.measured(frame.units, seconds);
         if let Some(error) = frame.stats.estimated_error {
+            let corrected = self.plan.runs(PassKind::Correction);
+            let error = if corrected { SAFETY * error } else { error };
             self.image.note_error(frame.epoch, frame.samples, error);
         }
         if let Some(sweep) = sweep {
