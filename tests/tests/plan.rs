@@ -77,9 +77,39 @@ fn a_driver_with_a_loop_cap_gets_fewer_steps_and_a_reason() {
     scene.render.shadows.mode = ShadowMode::Traced;
     let limits = PlanLimits {
         loop_cap: Some(65_535),
-        beyond_correction: false,
+        ..PlanLimits::default()
     };
     let text = plan(&facts(&scene), &scene.render, &limits).to_string();
     assert!(text.contains("4096 were asked for"), "{text}");
     assert!(!planned(&scene).contains("were asked for"));
+}
+
+#[test]
+fn strata_beside_density_grids_are_explained() {
+    let sun = json!({ "kind": "directional", "direction": [0, -1, 0], "irradiance": 1 });
+    let lamp = json!({ "kind": "point", "position": [2, 2, 2], "intensity": 1 });
+    let cloud = json!([{ "kind": "procedural", "pattern": "cloud", "resolution": 16, "seed": 3, "sigma_t": 1, "albedo": 0.8 }]);
+    let reason = |lights: Value, steps: u32| {
+        let mut scene = box_scene(&lights, &cloud);
+        scene.render.single_scattering.equiangular = true;
+        scene.render.single_scattering.steps = steps;
+        planned(&scene)
+    };
+    let one = reason(json!([sun, lamp]), 32);
+    assert!(one.contains("half of them equiangular"), "{one}");
+    let two = reason(json!([lamp, lamp]), 32);
+    assert!(two.contains("none equiangular"), "{two}");
+    let coarse = reason(json!([sun]), 4);
+    assert!(coarse.contains("one a voxel would take up to"), "{coarse}");
+    let fine = reason(json!([sun]), 512);
+    assert!(fine.contains("no more than one a voxel"), "{fine}");
+}
+
+#[test]
+fn many_lights_are_looked_through_for_weak_ones() {
+    let fog = json!([{ "kind": "homogeneous", "sigma_s": 0.1, "sigma_a": 0.0 }]);
+    let lamp = json!({ "kind": "point", "position": [2, 2, 2], "intensity": 1 });
+    let planned = |lights: usize| planned(&box_scene(&json!(vec![lamp.clone(); lights]), &fog));
+    assert!(planned(8).contains("are left out of it"), "{}", planned(8));
+    assert!(!planned(7).contains("are left out of it"));
 }

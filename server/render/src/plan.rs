@@ -108,6 +108,9 @@ pub struct PlanLimits {
     pub loop_cap: Option<u32>,
     /// The picture has more pixels than the correction's buffers may hold.
     pub beyond_correction: bool,
+    /// Every light is marched along every ray, and every ray takes all strata: to measure what leaving
+    /// some out saves.
+    pub unskipped: bool,
 }
 
 impl FramePlan {

@@ -42,6 +42,10 @@ pub(crate) struct Constants {
     pub equiangular: bool,
     /// Whether a Gauss rule takes the place of strata.
     pub quadrature: bool,
+    /// Whether a ray takes no more strata than it can cross voxels.
+    pub by_voxels: bool,
+    /// Whether lights that cannot add enough to a ray to be seen are left out of it.
+    pub culls: bool,
     /// Whether surfaces stand in the way of area lights.
     pub shadowed: bool,
     /// Whether light arrives from infinity.
@@ -65,6 +69,8 @@ impl Constants {
             "SPACING" => Some(f64::from(self.spacing)),
             "EQUIANGULAR" => Some(f64::from(self.equiangular)),
             "QUADRATURE" => Some(f64::from(self.quadrature)),
+            "BY_VOXELS" => Some(f64::from(self.by_voxels)),
+            "CULLS" => Some(f64::from(self.culls)),
             "SHADOWED" => Some(f64::from(self.shadowed)),
             "SKY" => Some(f64::from(self.sky)),
             "AREA_STRATA" => Some(f64::from(self.area_strata)),
@@ -89,6 +95,8 @@ impl Constants {
             spacing: kept(self.spacing, "SPACING"),
             equiangular: self.equiangular && declares("EQUIANGULAR"),
             quadrature: self.quadrature && declares("QUADRATURE"),
+            by_voxels: self.by_voxels && declares("BY_VOXELS"),
+            culls: self.culls && declares("CULLS"),
             shadowed: self.shadowed && declares("SHADOWED"),
             sky: self.sky && declares("SKY"),
             area_strata: kept(self.area_strata, "AREA_STRATA"),

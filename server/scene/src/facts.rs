@@ -43,6 +43,8 @@ pub struct SceneFacts {
     pub media: usize,
     /// Media of those whose density is a grid.
     pub grids: usize,
+    /// Voxels along the diagonal of the grid that has most, by its shortest voxel edge; 0 without a grid.
+    pub voxels_across: u32,
     /// Whether the density of some medium varies: a grid, a sphere or height fog that thins out.
     pub heterogeneous: bool,
     /// Whether some medium has `σ_s` > 0.
@@ -134,6 +136,7 @@ pub fn facts(scene: &Scene) -> SceneFacts {
             .iter()
             .filter(|m| matches!(m.shape, MediumShape::Grid { .. }))
             .count(),
+        voxels_across: media.iter().map(|m| voxels_across(m)).max().unwrap_or(0),
         heterogeneous: media.iter().any(|m| varies(&m.shape)),
         scatters: scattering().next().is_some(),
         medium_emits: media.iter().any(|m| m.emission != [0.0; 3]),
@@ -150,6 +153,22 @@ pub fn facts(scene: &Scene) -> SceneFacts {
 /// Whether a medium does nothing.
 fn is_vacuum(medium: &Medium) -> bool {
     [medium.sigma_s, medium.sigma_a, medium.emission] == [[0.0; 3]; 3]
+}
+
+/// Voxels along a grid's diagonal, by the shortest edge of a voxel; 0 of other media.
+fn voxels_across(medium: &Medium) -> u32 {
+    let MediumShape::Grid {
+        grid,
+        world_from_lattice,
+    } = &medium.shape
+    else {
+        return 0;
+    };
+    let [low, high] = grid.clip;
+    let diagonal = world_from_lattice.transform_vector3(high - low).length();
+    let rows = world_from_lattice.inverse().matrix3.transpose();
+    let per_metre = rows.x_axis.length().max(rows.y_axis.length());
+    (diagonal * per_metre.max(rows.z_axis.length())).ceil() as u32
 }
 
 /// Whether a density differs from place to place.

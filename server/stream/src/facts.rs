@@ -60,6 +60,7 @@ impl From<&tyndall_scene::SceneFacts> for Facts {
             max_abs_g,
             max_albedo,
             optical_thickness,
+            voxels_across: _,
             bounds: _,
             surface_bounds: _,
             swept_bounds: _,

@@ -3,7 +3,10 @@
 
 #![allow(clippy::print_stdout, reason = "tests print what they measure")]
 
+mod culling;
+mod equiangular_grids;
 mod interleaving;
 mod skips;
 mod stress;
 mod truth;
+mod voxels;

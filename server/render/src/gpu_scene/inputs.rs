@@ -1,7 +1,7 @@
 //! The buffers of one view that hold camera-relative values, refilled when what they hold changes.
 
 use glam::{DVec3, DVec4};
-use tyndall_scene::{Camera, Light, MediumOrder, Scene, SceneFacts, ShadowMode};
+use tyndall_scene::{Aabb, Camera, Light, MediumOrder, MediumShape, Scene, SceneFacts, ShadowMode};
 use tyndall_shaders::types;
 
 use super::{GpuAssets, Origin, all_medium_values, instance_values, light_values};
@@ -85,7 +85,8 @@ impl Inputs {
             && self.media.size() >= (scene.media.len() * size_of::<types::Medium>()) as u64
     }
 
-    /// Uploads everything that depends on the scene's state or the camera's position.
+    /// Uploads everything that depends on the scene's state or the camera's position; `sorted` puts lights
+    /// first that may add most.
     pub fn upload_scene(
         &self,
         device: &Device,
@@ -93,6 +94,7 @@ impl Inputs {
         assets: &GpuAssets,
         shadows: &ShadowMaps,
         mode: ShadowMode,
+        sorted: bool,
     ) {
         let origin = Origin(scene.camera.position);
         let write = |buffer: &wgpu::Buffer, bytes: &[u8]| {
@@ -108,10 +110,13 @@ impl Inputs {
             ShadowMode::Traced => light.casts_shadows().then_some((0, 0.0)),
             ShadowMode::Off => None,
         };
-        let lights: Vec<_> = scene
-            .lights
-            .iter()
-            .enumerate()
+        let mut order: Vec<(usize, &Light)> = scene.lights.iter().enumerate().collect();
+        if sorted {
+            let adds = |(_, light): &(usize, &Light)| most_added(light, scene);
+            order.sort_by(|a, b| adds(b).total_cmp(&adds(a)));
+        }
+        let lights: Vec<_> = order
+            .into_iter()
             .map(|(i, light)| light_values(light, shadow_of(i, light), origin))
             .collect();
         write(&self.lights, bytemuck::cast_slice(&lights));
@@ -147,6 +152,37 @@ impl Inputs {
             .queue
             .write_buffer(&self.frame, 0, bytemuck::bytes_of(&value));
     }
+}
+
+/// About the most that a light adds to a ray, up to a factor that all lights share: the irradiance at the
+/// camera, over the stretch of a ray that passes it there, dimmed by what fills the space between. It only
+/// decides in which order lights are looked at.
+fn most_added(light: &Light, scene: &Scene) -> f64 {
+    let most = |rgb: [f32; 3]| f64::from(rgb[0].max(rgb[1]).max(rgb[2]));
+    let (position, intensity, radius) = match light {
+        Light::Point(light) => (light.position, light.intensity, light.radius),
+        Light::Spot(light) => (light.position, light.intensity, light.radius),
+        Light::Directional(light) if light.irradiance == [0.0; 3] => return 0.0,
+        // It lights all of a ray.
+        Light::Directional(_) => return f64::INFINITY,
+    };
+    let distance = (position - scene.camera.position).length();
+    let fills = |bounds: &Option<Aabb>| {
+        bounds.is_none_or(|bounds| {
+            let inside =
+                |point: DVec3| point.cmpge(bounds.min).all() && point.cmple(bounds.max).all();
+            inside(position) && inside(scene.camera.position)
+        })
+    };
+    let filling = scene.media.iter().map(|medium| match &medium.shape {
+        MediumShape::Homogeneous { bounds } if fills(bounds) => {
+            let sigma_t = |c: usize| f64::from(medium.sigma_s[c]) + f64::from(medium.sigma_a[c]);
+            sigma_t(0).min(sigma_t(1)).min(sigma_t(2))
+        }
+        _ => 0.0,
+    });
+    let passed = (-filling.sum::<f64>() * distance).exp();
+    most(intensity) * passed / distance.max(f64::from(radius)).max(1e-9)
 }
 
 /// The frame's own values.

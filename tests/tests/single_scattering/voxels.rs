@@ -1,0 +1,62 @@
+//! A ray takes no more strata than it can cross voxels: the error against the published picture stays,
+//! and what that saves.
+
+use std::sync::Arc;
+
+use tyndall_metrics::relative_rmse_trim_debiased;
+use tyndall_scene::{Scene, ShadowMode, StopRule, Technique};
+use tyndall_tests::{estimate::with_renderer, gpu, published};
+
+/// Error against the published picture, and the march's least time over some frames. Unit: ms.
+fn measure(scene: &Scene, truth: &tyndall_metrics::Image, unskipped: bool) -> (f64, f64) {
+    let (width, height) = (scene.render.width, scene.render.height);
+    with_renderer(|renderer| {
+        renderer.set_unskipped(unskipped);
+        let mut view = renderer
+            .create_view(Arc::new(scene.clone()), width, height)
+            .expect("rendered");
+        let mut least = f64::INFINITY;
+        for _ in 0..6 {
+            renderer.render(&mut view, 0).expect("rendered");
+            renderer.wait().expect("a device that answers");
+            let frame = view.take_finished().expect("a frame");
+            let march = frame.pass_times.iter();
+            let march = march.filter(|t| t.name == "single_scattering");
+            least = least.min(march.map(|t| f64::from(t.micros) / 1e3).sum());
+        }
+        let still = gpu::render(renderer, scene.clone());
+        renderer.set_unskipped(false);
+        let error = relative_rmse_trim_debiased(&gpu::image(&still), truth);
+        (error.expect("same size"), least)
+    })
+}
+
+#[test]
+fn strata_finer_than_voxels_are_left_out_of_a_smoke_plume_and_its_error_stays() {
+    for (steps, interleave, mode) in [
+        (32, 1, ShadowMode::Mapped),
+        (32, 1, ShadowMode::Traced),
+        (128, 1, ShadowMode::Mapped),
+        (128, 4, ShadowMode::Mapped),
+    ] {
+        let Some(truth) = published::find("smoke_plume", "single") else {
+            return;
+        };
+        let mut scene = truth.scene;
+        scene.render.technique = Technique::SingleScattering;
+        scene.render.stop = StopRule::Samples(16);
+        scene.render.single_scattering.steps = steps;
+        scene.render.single_scattering.interleave = interleave;
+        scene.render.shadows.mode = mode;
+        let (all, all_millis) = measure(&scene, &truth.image, true);
+        let (fewer, millis) = measure(&scene, &truth.image, false);
+        let ratio = millis / all_millis;
+        println!(
+            "smoke_plume, {steps} strata, {interleave}×{interleave}, {mode:?}: error {fewer:.5} for {all:.5}, march \
+             {millis:.1} of {all_millis:.1} ms = {ratio:.2}"
+        );
+        assert!(fewer < 1.02 * all, "{steps}: {fewer} for {all}");
+        // The machines that run this are shared: the ratio is noisy.
+        assert!(steps < 128 || ratio < 0.9, "{steps}: {ratio}");
+    }
+}
