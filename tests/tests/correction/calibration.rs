@@ -4,6 +4,11 @@ use std::fmt::Write as _;
 
 use crate::gains::{BASES, climb};
 
+/// A line more of a text.
+macro_rules! put {
+    ($($part:tt)*) => { writeln!($($part)*).expect("a text takes every line") };
+}
+
 /// Samples a pixel.
 const LADDER: [u32; 6] = [1, 4, 16, 64, 256, 1024];
 const COLORS: [&str; 6] = [
@@ -29,14 +34,14 @@ fn expected_errors_are_drawn() {
         .enumerate()
     {
         let x0 = 50.0 + column as f64 * (SIDE + 50.0);
-        let _ = writeln!(plots, "<g transform='translate({x0} 40)'>");
-        let _ = writeln!(
+        put!(plots, "<g transform='translate({x0} 40)'>");
+        put!(
             plots,
             "<rect width='{SIDE}' height='{SIDE}' fill='none' stroke='#888'/><text y='-10'>{name}</text>"
         );
         for factor in [1.0, 1.5, 1.0 / 1.5] {
             let (a, b) = (LEAST.max(LEAST / factor), MOST.min(MOST / factor));
-            let _ = writeln!(
+            put!(
                 plots,
                 "<path d='M{:.1} {:.1}L{:.1} {:.1}' stroke='#aaa' stroke-dasharray='{}'/>",
                 along(a),
@@ -48,7 +53,7 @@ fn expected_errors_are_drawn() {
         }
         for tick in [1e-3, 1e-2, 1e-1, 1.0] {
             let at = along(tick);
-            let _ = writeln!(
+            put!(
                 plots,
                 "<text x='{at:.1}' y='{:.1}' text-anchor='middle'>{tick}</text><text x='-6' y='{:.1}' text-anchor='end'>{tick}</text>",
                 SIDE + 18.0,
@@ -76,7 +81,7 @@ fn expected_errors_are_drawn() {
                     least.fold(f64::INFINITY, f64::min)
                 );
                 for (told, found) in &rung.blocks {
-                    let _ = writeln!(
+                    put!(
                         plots,
                         "<circle cx='{:.1}' cy='{:.1}' r='2.2' fill='{}' stroke='{color}'/>",
                         along(*found),
@@ -91,7 +96,7 @@ fn expected_errors_are_drawn() {
     let mut legend = String::new();
     for (i, (samples, color)) in LADDER.iter().zip(COLORS).enumerate() {
         let x = 60.0 + 90.0 * i as f64;
-        let _ = writeln!(
+        put!(
             legend,
             "<circle cx='{x}' cy='415' r='4' fill='{color}'/><text x='{}' y='419'>n = {samples}</text>",
             x + 8.0

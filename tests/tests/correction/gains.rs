@@ -119,9 +119,11 @@ pub(crate) fn climb(
     Some(rungs)
 }
 
+/// Name, and the settings that make it.
+type Base = (&'static str, fn(&mut Scene));
+
 /// What is corrected: the interactive technique's picture, and nothing.
-pub(crate) const BASES: [(&str, fn(&mut Scene)); 2] =
-    [("single scattering", interactive), ("black", black)];
+pub(crate) const BASES: [Base; 2] = [("single scattering", interactive), ("black", black)];
 
 fn gains(name: &str) {
     for (label, settings) in BASES {
