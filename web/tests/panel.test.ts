@@ -36,7 +36,13 @@ const SCENE: SceneDescription = {
     height: 360,
     seed: 0,
     reference: { medium_order: 'all' },
-    single_scattering: { steps: 32, jitter: true, interleave: 1, equiangular: false },
+    single_scattering: {
+      steps: 32,
+      jitter: true,
+      interleave: 1,
+      half_resolution: false,
+      equiangular: false,
+    },
     shadows: { mode: 'mapped', resolution: 1024 },
   },
 };

@@ -103,9 +103,9 @@ fn expected_errors_are_drawn() {
         );
     }
     let svg = format!(
-        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1160 440' font-family='sans-serif' font-size='13'>\n\
-         <rect width='1160' height='440' fill='white'/>\n{plots}{legend}\
-         <text x='620' y='419'>across: error found, up: error expected, of blocks of 32×32 pixels; rings: from a black picture; dashes: a factor of 1.5</text>\n</svg>\n"
+        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1160 450' font-family='sans-serif' font-size='13'>\n\
+         <rect width='1160' height='450' fill='white'/>\n{plots}{legend}\
+         <text x='50' y='440'>across: error found, up: error expected, of blocks of 32×32 pixels; rings: from a black picture; dashes: a factor of 1.5</text>\n</svg>\n"
     );
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/calibration.svg");
     std::fs::write(file, svg).expect("the docs can be written");
