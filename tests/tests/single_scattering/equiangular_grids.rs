@@ -103,9 +103,9 @@ fn equiangular_strata_in_a_grid_are_unbiased_and_err_less() {
         (
             "lamp",
             json!([lamp()]),
-            &[(16, 1), (32, 1), (64, 1), (16, 2), (32, 2), (64, 2)][..],
+            &[(32, 1), (32, 2)][..],
         ),
-        ("lamp and sun", json!([sun, lamp()]), &[(32, 1), (32, 2)]),
+        ("lamp and sun", json!([sun, lamp()]), &[(32, 1)]),
     ] {
         let truth = picture(&cloud(&lights, 4096, false, 1));
         let expected = mean(&truth);
@@ -131,7 +131,7 @@ fn equiangular_strata_in_a_grid_are_unbiased_and_err_less() {
                 off < 4.0 * both.error + 0.005 * expected,
                 "{name}, {steps}, {interleave}: {off}"
             );
-            // Measured: a fifth at 16 strata, less at more.
+            // Measured: a tenth, a sixth interleaved.
             assert!(
                 both.relative_rmse < 0.5 * even.relative_rmse,
                 "{name}, {steps}, {interleave}: {} for {}",

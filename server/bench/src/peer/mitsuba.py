@@ -223,7 +223,7 @@ def picture(technique, claim, spp, image, seconds, cpu, version):
 
 
 def denoiser():
-    """A function from image to image, or None."""
+    """A function from image, and albedo and normal if they guide it, to image; or None."""
     if not job["denoise"]:
         return None
     try:
@@ -242,12 +242,13 @@ def make_denoiser(oidn):
     device = oidn.Device()
     device.commit()
 
-    def run(image):
+    def run(image, guides=()):
         color = np.ascontiguousarray(image, dtype=np.float32)
         result = np.zeros_like(color)
         filter = oidn.Filter(device, oidn.OIDN_FILTER_TYPE_RT)
-        filter.set_image("color", color, oidn.OIDN_FORMAT_FLOAT3, color.shape[1], color.shape[0])
-        filter.set_image("output", result, oidn.OIDN_FORMAT_FLOAT3, color.shape[1], color.shape[0])
+        images = [("color", color), ("output", result), *guides]
+        for name, pixels in images:
+            filter.set_image(name, pixels, oidn.OIDN_FORMAT_FLOAT3, pixels.shape[1], pixels.shape[0])
         filter.set_bool("hdr", True)
         filter.commit()
         filter.execute()
@@ -259,9 +260,32 @@ def make_denoiser(oidn):
     return run
 
 
+def guides(scene, spp):
+    """Albedo and normal of what the camera sees through the media."""
+    aov = mi.load_dict({"type": "aov", "aovs": "albedo:albedo,normal:sh_normal"})
+    image = np.array(mi.render(scene, integrator=aov, spp=spp, seed=job["seed"]), dtype=np.float32)
+    return [
+        ("albedo", np.ascontiguousarray(np.clip(image[..., 0:3], 0, 1))),
+        ("normal", np.ascontiguousarray(image[..., 3:6])),
+    ]
+
+
+def guided(denoise, scene):
+    """Whether this version of Mitsuba gives what guides the denoiser."""
+    if denoise is None:
+        return False
+    try:
+        guides(scene, 1)
+        return True
+    except Exception as error:  # noqa: BLE001
+        say(event="remark", what="no albedo and normals for the denoiser: %s" % error)
+        return False
+
+
 def main():
     scene = build()
     denoise = denoiser()
+    has_guides = guided(denoise, scene)
     version = "Mitsuba %s, %s" % (mi.__version__, job["variant"])
     depths = {"whole": -1, "one_scattering": 2}
     for claim in job["claims"]:
@@ -279,6 +303,14 @@ def main():
                 more = [after - before for after, before in zip(clock(), (wall, cpu))]
                 picture(
                     "mitsuba_volpath+oidn", claim, spp, clean,
+                    seconds + more[0], cpu_seconds + more[1], version,
+                )
+            if has_guides:
+                wall, cpu = clock()
+                clean = denoise(image, guides(scene, spp))
+                more = [after - before for after, before in zip(clock(), (wall, cpu))]
+                picture(
+                    "mitsuba_volpath+oidn_guided", claim, spp, clean,
                     seconds + more[0], cpu_seconds + more[1], version,
                 )
             # The next rung takes about four times as long.
