@@ -100,11 +100,7 @@ fn mean(picture: &Image) -> f64 {
 fn equiangular_strata_in_a_grid_are_unbiased_and_err_less() {
     let sun = json!({ "kind": "directional", "direction": [0.3, -1, 0.2], "irradiance": 0.4 });
     for (name, lights, ways) in [
-        (
-            "lamp",
-            json!([lamp()]),
-            &[(32, 1), (32, 2)][..],
-        ),
+        ("lamp", json!([lamp()]), &[(32, 1), (32, 2)][..]),
         ("lamp and sun", json!([sun, lamp()]), &[(32, 1)]),
     ] {
         let truth = picture(&cloud(&lights, 4096, false, 1));
