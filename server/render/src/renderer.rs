@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use tyndall_scene::{Medium, MediumShape, Scene, SceneFacts, ShadowMode, Technique};
+use tyndall_scene::{Medium, MediumShape, Scene, ShadowMode, Technique};
 
 use crate::device::{AdapterSummary, Device};
 use crate::engine::Recording;
@@ -144,6 +144,7 @@ impl Renderer {
             return Ok(RenderOutcome::Busy);
         }
         let started = Instant::now();
+        let march = March::of(&view.facts, &view.scene.render, view.limits());
         if view.stale {
             view.inputs.upload_scene(
                 &self.device,
@@ -151,7 +152,7 @@ impl Renderer {
                 &view.assets,
                 &view.shadows,
                 view.shadow_mode(),
-                March::of(&view.facts, &view.scene.render, view.limits()).culls,
+                march.culls,
             );
             if let Some(volume) = &view.light_volume {
                 volume.upload(&self.device, view.scene.camera.position);
@@ -169,7 +170,7 @@ impl Renderer {
             pixel_offset: view.image.pixel_offset(),
             sample_index: view.image.base_samples(),
             turn: view.turn,
-            march: March::of(&view.facts, &view.scene.render, view.limits()),
+            march,
         };
         view.inputs.upload_frame(
             &self.device,
@@ -183,12 +184,7 @@ impl Renderer {
             &self.device,
             &self.programs,
             &view.timing,
-            constants(
-                &view.scene,
-                &view.facts,
-                view.assets.placement.emitter_count(),
-                view.limits(),
-            ),
+            constants(view, march),
         );
         let mut parts = ViewParts {
             assets: &view.assets,
@@ -272,13 +268,9 @@ fn walks_through_grids(scene: &Scene) -> bool {
 }
 
 /// What pipelines are built for.
-fn constants(
-    scene: &Scene,
-    facts: &SceneFacts,
-    emitter_count: u32,
-    limits: PlanLimits,
-) -> Constants {
-    let march = March::of(facts, &scene.render, limits);
+fn constants(view: &View, march: March) -> Constants {
+    let (scene, facts) = (&view.scene, &view.facts);
+    let emitter_count = view.assets.placement.emitter_count();
     let chromatic = |medium: &Medium| {
         let grey = |rgb: [f32; 3]| rgb == [rgb[0]; 3];
         let sigma_t: [f32; 3] = std::array::from_fn(|c| medium.sigma_s[c] + medium.sigma_a[c]);
@@ -302,6 +294,6 @@ fn constants(
         culls: march.culls,
         shadowed: scene.render.shadows.mode != ShadowMode::Off,
         sky: facts.environment,
-        area_strata: area_strata(facts, &scene.render, limits),
+        area_strata: area_strata(facts, &scene.render, view.limits()),
     }
 }

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use tyndall_metrics::{Image, relative_rmse, relative_rmse_trim};
 use tyndall_scene::{Scene, StopRule};
+use tyndall_tests::pass_times::least_millis;
 use tyndall_tests::{estimate::with_renderer, gpu};
 
 const SIDE: usize = 40;
@@ -46,15 +47,7 @@ fn march_millis(scene: &Scene) -> f64 {
         let mut view = renderer
             .create_view(Arc::new(scene), side, side)
             .expect("rendered");
-        let mut least = f64::INFINITY;
-        for _ in 0..15 {
-            renderer.render(&mut view, 0).expect("rendered");
-            renderer.wait().expect("a device that answers");
-            let frame = view.take_finished().expect("a frame");
-            let march = frame.pass_times.iter();
-            let march = march.filter(|t| t.name == "single_scattering");
-            least = least.min(march.map(|t| f64::from(t.micros) / 1e3).sum());
-        }
+        let [least] = least_millis(renderer, &mut view, 15, ["single_scattering"]);
         least
     })
 }

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use tyndall_metrics::relative_rmse;
 use tyndall_render::{PassKind, Still};
 use tyndall_scene::{Scene, StopRule};
+use tyndall_tests::pass_times::least_millis;
 use tyndall_tests::{estimate, gpu};
 
 const MARCH: [&str; 4] = ["shadow_maps", "light_volume", "single_scattering", "gather"];
@@ -41,15 +42,8 @@ fn timed(scene: Scene) -> (Still, f64) {
         let mut view = renderer
             .create_view(Arc::new(more), width, height)
             .expect("rendered");
-        let mut least = f64::INFINITY;
-        for _ in 0..5 {
-            renderer.render(&mut view, 0).expect("rendered");
-            renderer.wait().expect("a device that answers");
-            let frame = view.take_finished().expect("a frame");
-            let march = frame.pass_times.iter().filter(|t| MARCH.contains(&t.name));
-            least = least.min(march.map(|t| f64::from(t.micros) / 1e3).sum());
-        }
-        (gpu::render(renderer, scene), least.max(0.0))
+        let least = least_millis(renderer, &mut view, 5, MARCH);
+        (gpu::render(renderer, scene), least.iter().sum())
     })
 }
 

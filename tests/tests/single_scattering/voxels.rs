@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use tyndall_metrics::relative_rmse_trim_debiased;
 use tyndall_scene::{Scene, ShadowMode, StopRule, Technique};
+use tyndall_tests::pass_times::least_millis;
 use tyndall_tests::{estimate::with_renderer, gpu, published};
 
 /// Error against the published picture, and the march's least time over some frames. Unit: ms.
@@ -15,15 +16,7 @@ fn measure(scene: &Scene, truth: &tyndall_metrics::Image, unskipped: bool) -> (f
         let mut view = renderer
             .create_view(Arc::new(scene.clone()), width, height)
             .expect("rendered");
-        let mut least = f64::INFINITY;
-        for _ in 0..6 {
-            renderer.render(&mut view, 0).expect("rendered");
-            renderer.wait().expect("a device that answers");
-            let frame = view.take_finished().expect("a frame");
-            let march = frame.pass_times.iter();
-            let march = march.filter(|t| t.name == "single_scattering");
-            least = least.min(march.map(|t| f64::from(t.micros) / 1e3).sum());
-        }
+        let [least] = least_millis(renderer, &mut view, 6, ["single_scattering"]);
         let still = gpu::render(renderer, scene.clone());
         renderer.set_unskipped(false);
         let error = relative_rmse_trim_debiased(&gpu::image(&still), truth);
@@ -55,8 +48,8 @@ fn strata_finer_than_voxels_are_left_out_of_a_smoke_plume_and_its_error_stays() 
              {millis:.1} of {all_millis:.1} ms = {ratio:.2}"
         );
         assert!(fewer < 1.02 * all, "{steps}: {fewer} for {all}");
-        // Measured 0.26 to 0.92 at 128 strata, where a ray can cross 111 voxels at most. The machines that run
-        // this are shared: that it costs nothing is all that holds on each.
-        assert!(steps < 128 || ratio < 1.2, "{steps}: {ratio}");
+        // Measured alone 0.40 and, shared by 4×4 pixels, 0.48 at 128 strata, where a ray can cross 111 voxels
+        // at most. The machines that run this are shared.
+        assert!(steps < 128 || ratio < 1.0, "{steps}: {ratio}");
     }
 }

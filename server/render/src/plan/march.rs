@@ -27,10 +27,11 @@ pub(crate) struct March {
     pub culls: bool,
 }
 
-/// Fewer lights are not worth looking for one to leave out: a bound costs as much as one or two strata.
-const LEAST_CULLED: usize = 8;
-/// Nor are fewer strata of a pixel.
-const LEAST_CULLED_STRATA: u32 = 8;
+/// Fewer lights are not worth looking for one to leave out: a bound costs as much as one or two strata, and
+/// with eight that all count the march took 0.9 to 1.4 times as long.
+const LEAST_CULLED: usize = 16;
+/// Nor are fewer strata of a pixel: with eight it took 0.7 to 1.1 times as long.
+const LEAST_CULLED_STRATA: u32 = 16;
 
 /// Nodes of the Gauss rule.
 const NODES: u32 = 32;
