@@ -110,6 +110,10 @@ fn many_lights_are_looked_through_for_weak_ones() {
     let fog = json!([{ "kind": "homogeneous", "sigma_s": 0.1, "sigma_a": 0.0 }]);
     let lamp = json!({ "kind": "point", "position": [2, 2, 2], "intensity": 1 });
     let planned = |lights: usize| planned(&box_scene(&json!(vec![lamp.clone(); lights]), &fog));
-    assert!(planned(8).contains("are left out of it"), "{}", planned(8));
-    assert!(!planned(7).contains("are left out of it"));
+    assert!(
+        planned(16).contains("are left out of it"),
+        "{}",
+        planned(16)
+    );
+    assert!(!planned(15).contains("are left out of it"));
 }

@@ -1,6 +1,7 @@
 //! What is carried from picture to picture.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use tyndall_metrics::{
     Image, PIXELS_PER_DEGREE, hdr_flip, relative_rmse_trim, relative_rmse_trim_debiased,
@@ -48,6 +49,8 @@ fn walked(scene: &Scene, mode: CorrectionMode, steps: &[Arc<Scene>]) -> Vec<Imag
     let mut view = renderer
         .create_view(at(&steps[0]), size.0, size.1)
         .expect("a view");
+    // At least a whole sample a frame, however busy this machine is.
+    view.set_slice_budget(Duration::from_secs(60));
     let mut pictures = Vec::new();
     for step in steps {
         renderer
