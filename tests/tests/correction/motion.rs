@@ -50,7 +50,7 @@ fn walked(scene: &Scene, mode: CorrectionMode, steps: &[Arc<Scene>]) -> Vec<Imag
         .create_view(at(&steps[0]), size.0, size.1)
         .expect("a view");
     // At least a whole sample a frame, however busy this machine is.
-    view.set_slice_budget(Duration::from_secs(60));
+    view.set_slice_budget(Duration::from_mins(1));
     let mut pictures = Vec::new();
     for step in steps {
         renderer
