@@ -138,13 +138,26 @@ mirrors! {
     /// The camera of the last picture.
     struct HistoryView {
         right: [f32; 3],
-        valid: u32,
-        up: [f32; 3],
         most: f32,
+        up: [f32; 3],
+        most_base: f32,
         forward: [f32; 3],
-        padding: u32,
+        changed: u32,
         moved: [f32; 3],
-        padding_end: u32,
+        base_samples: f32,
+    }
+
+    /// What new samples say against carried ones, in a tile of pixels.
+    struct TileChange {
+        a: [f32; 4],
+        b: [f32; 4],
+        cells: [f32; 4],
+    }
+
+    /// What becomes of carried residuals in a tile of pixels.
+    struct Innovation {
+        a: [f32; 4],
+        b: [f32; 4],
     }
 
     /// Box and samples of the grids' optical depth toward each light.

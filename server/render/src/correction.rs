@@ -12,24 +12,23 @@
 //! only at the cells of a grid as coarse as they are smooth.
 //! Bias: vanishes with the noise of X̄. Cost: about 60 loads of a vector a pixel.
 
+mod history;
+
 use tyndall_scene::Camera;
-use tyndall_shaders::types::{HistoryView, PyramidLevel};
+use tyndall_shaders::types::PyramidLevel;
 use wgpu::util::DeviceExt as _;
 
 use crate::device::Device;
 use crate::engine::Recording;
 use crate::error::RenderError;
-use crate::gpu_scene::history_view;
 use crate::programs::Bindings;
+use history::History;
+pub(crate) use history::Seen;
 
 /// Levels of residuals at most; coarser bands hold little else than the mean.
 const MOST_LEVELS: u32 = 6;
 /// The coarsest level keeps at least about so many cells along each side.
 const FEWEST_CELLS: u32 = 4;
-
-/// Samples of a half that what is carried over counts as at most: reprojection blurs, and errors of the
-/// places it assumes grow.
-const MOST_CARRIED: f32 = 32.0;
 
 /// By so much the error of a corrected picture may exceed the expected one: a target is met when the
 /// expected error times this is below it. Found on the reference scenes, docs/calibration.svg: from four
@@ -50,20 +49,10 @@ pub(crate) struct Correction {
     pub square_errors: wgpu::Buffer,
     /// The technique's running mean, four f32 a pixel.
     pub base_film: wgpu::Buffer,
+    /// That with what was carried of it, where anything is.
+    steady_base: Option<wgpu::Buffer>,
     /// Present where residuals are carried from picture to picture.
     history: Option<History>,
-}
-
-/// The last picture's residuals.
-#[derive(Debug)]
-struct History {
-    view: wgpu::Buffer,
-    residuals: wgpu::Buffer,
-    /// f32 a pixel. Unit: m.
-    depths: wgpu::Buffer,
-    /// Of the picture at present.
-    own_depths: wgpu::Buffer,
-    pixels: u64,
 }
 
 #[derive(Debug)]
@@ -148,15 +137,15 @@ impl Correction {
             believed_energies: buffer("believed_energies", 16 * cells),
             corrections: buffer("corrections", 16 * cells),
             square_errors: buffer("square_errors", (4 * pixels).next_multiple_of(16)),
-            base_film: buffer("base_film", 16 * pixels),
-            history: carries.then(|| History {
-                view: buffer("history_view", size_of::<HistoryView>() as u64),
-                residuals: buffer("history", 32 * pixels),
-                depths: buffer("history_depths", (4 * pixels).next_multiple_of(16)),
-                own_depths: buffer("residual_depths", (4 * pixels).next_multiple_of(16)),
-                pixels,
-            }),
+            base_film: buffer("filmed_base", 16 * pixels),
+            steady_base: carries.then(|| buffer("base_film", 16 * pixels)),
+            history: carries.then(|| History::new([width, height], &buffer)),
         }
+    }
+
+    /// The technique's picture that residuals are of.
+    fn corrected_base(&self) -> &wgpu::Buffer {
+        self.steady_base.as_ref().unwrap_or(&self.base_film)
     }
 
     /// Adds what the passes after the correction read.
@@ -168,44 +157,39 @@ impl Correction {
             .buffer("believed_energies", &self.believed_energies)
             .buffer("corrections", &self.corrections)
             .buffer("square_errors", &self.square_errors)
-            .buffer("base_film", &self.base_film);
+            .buffer("filmed_base", &self.base_film)
+            .buffer("base_film", self.corrected_base());
         if let Some(history) = &self.history {
-            bindings
-                .buffer("history_view", &history.view)
-                .buffer("history", &history.residuals)
-                .buffer("history_depths", &history.depths)
-                .buffer("residual_depths", &history.own_depths);
+            history.bind(bindings);
         }
     }
 
-    /// Sets the camera that what is carried over was seen from, if anything is. It fades as `samples` come,
-    /// so that a picture at rest is free of what carrying did to it.
-    pub fn look_back(&self, device: &Device, last: Option<&Camera>, camera: &Camera, samples: u32) {
-        if let (Some(history), Some(finest)) = (&self.history, self.levels.first()) {
-            let size = (finest.value.width, finest.value.height);
-            let most = MOST_CARRIED - samples as f32;
-            let last = last.filter(|_| most > 0.0);
-            let value = history_view(last, camera, size, most);
-            let bytes = bytemuck::bytes_of(&value);
-            device.queue.write_buffer(&history.view, 0, bytes);
+    /// Sets the picture whose residuals count beside the `samples` of the one at present, traced ones
+    /// and the technique's, if any do.
+    pub fn look_back(
+        &mut self,
+        device: &Device,
+        last: Option<&Seen>,
+        camera: &Camera,
+        samples: (u32, u32),
+    ) {
+        if let Some(history) = &mut self.history {
+            history.look_back(device, last, camera, samples);
         }
     }
 
     /// Records that the residuals become the last picture's.
     pub fn carry(&self, encoder: &mut wgpu::CommandEncoder) {
         if let Some(history) = &self.history {
-            let residuals = Some(32 * history.pixels);
-            encoder.copy_buffer_to_buffer(&self.residuals, 0, &history.residuals, 0, residuals);
-            let (own, kept) = (&history.own_depths, &history.depths);
-            encoder.copy_buffer_to_buffer(own, 0, kept, 0, None);
+            history.carry(encoder, &self.residuals, self.corrected_base());
         }
     }
 
-    /// Records the correction; `bind` adds the view's resources.
+    /// Records the correction, of a new picture where `looks`; `bind` adds the view's resources.
     pub fn record<'a>(
         &'a self,
         recording: &mut Recording<'_>,
-        variant: &str,
+        (variant, looks): (&str, bool),
         bind: &dyn Fn(&mut Bindings<'a>),
     ) -> Result<(), RenderError> {
         let base = if variant.contains("+base") {
@@ -213,7 +197,8 @@ impl Correction {
         } else {
             ""
         };
-        let residual = variant.replacen("correction", "correction+residual", 1);
+        let residual = format!("correction+residual{base}");
+        let grids = variant.contains("+grids");
         let own = |level: &Level| [level.value.width, level.value.height];
         let coarse = |level: &Level| [level.value.coarse_width, level.value.coarse_height];
         let window = |level: &Level| [level.value.window_width, level.value.window_height];
@@ -225,7 +210,15 @@ impl Correction {
             links.push((name.to_owned(), bindings, size));
         };
         let finest = &self.levels[0];
+        let carried = self.history.as_ref().map(|h| h.passes(looks, grids));
+        let [before, after] = carried.unwrap_or_default();
+        for (name, size) in before {
+            link(name, finest, size);
+        }
         link(&residual, finest, own(finest));
+        for (name, size) in after {
+            link(name, finest, size);
+        }
         for level in &self.levels[..self.levels.len() - 1] {
             link("correction+reduce", level, coarse(level));
         }

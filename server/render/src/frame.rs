@@ -111,6 +111,7 @@ pub(crate) fn record(
             }
             PassKind::Correction => {
                 if let Some(correction) = &targets.correction {
+                    let variant = (variant, share.restarts);
                     correction.record(recording, variant, &|bindings| parts.bind(bindings))?;
                 }
             }

@@ -9,17 +9,16 @@ use crate::targets::Targets;
 
 /// What differs between two states of a view, as far as the picture is concerned.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[allow(
-    clippy::struct_excessive_bools,
-    reason = "five independent kinds of change"
-)]
+#[allow(clippy::struct_excessive_bools, reason = "independent kinds of change")]
 pub(crate) struct Change {
     /// Triangles, materials or textures.
     pub geometry: bool,
     /// Where instances stand. Restarts the mean.
     pub placement: bool,
-    /// Lights, media, settings, seed. Restarts the mean.
+    /// Lights, media, environment. Restarts the mean.
     pub radiance: bool,
+    /// Technique, settings, seed. Restarts the mean.
+    pub settings: bool,
     /// The camera's pose or lens. Restarts the mean.
     pub camera: bool,
     /// Only how it is displayed. Keeps the mean.
@@ -41,8 +40,8 @@ impl Change {
             geometry: !old.geometry.same_surfaces(&new.geometry),
             placement: old.geometry != new.geometry && !old.geometry.same_placement(&new.geometry),
             camera: same_display != old.camera,
-            radiance: same_stop != old.render
-                || old.lights != new.lights
+            settings: same_stop != old.render,
+            radiance: old.lights != new.lights
                 || old.media != new.media
                 || old.environment != new.environment,
             exposure: old.camera.exposure_ev.to_bits() != new.camera.exposure_ev.to_bits(),
@@ -52,12 +51,17 @@ impl Change {
 
     /// Whether the picture is another one.
     pub fn restarts(self) -> bool {
-        self.geometry || self.placement || self.radiance || self.camera
+        self.geometry || self.placement || self.radiance || self.settings || self.camera
     }
 
-    /// Whether the scene is the same, seen from elsewhere or not.
-    pub fn only_camera(self) -> bool {
-        !(self.geometry || self.placement || self.radiance)
+    /// Whether it shows the same triangles in the same way, though perhaps elsewhere or in another light.
+    pub fn is_gradual(self) -> bool {
+        !(self.geometry || self.settings)
+    }
+
+    /// Whether the scene is another one, seen from elsewhere or not.
+    pub fn beyond_camera(self) -> bool {
+        self.geometry || self.placement || self.radiance || self.settings
     }
 }
 
@@ -314,11 +318,6 @@ impl Image {
             self.behind = false;
         }
         self.redisplay = false;
-    }
-
-    /// Position of the next sample inside its pixel, [0, 1)²: the centre first.
-    pub fn pixel_offset(&self) -> [f32; 2] {
-        crate::pixel_offsets::pixel_offset(self.base_samples)
     }
 }
 

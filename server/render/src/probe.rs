@@ -140,6 +140,7 @@ pub fn frame_values(
         crate::gpu_scene::SampleValues {
             pixel_offset,
             sample_index: 0,
+            accumulated: 1,
             turn: 0,
             march: crate::plan::March::of(
                 &facts,

@@ -5,12 +5,14 @@ use std::time::Instant;
 
 use tyndall_scene::{Medium, MediumShape, Scene, ShadowMode, Technique};
 
+use crate::correction::Seen;
 use crate::device::{AdapterSummary, Device};
 use crate::engine::Recording;
 use crate::error::RenderError;
 use crate::frame;
 use crate::gpu_scene::{AssetCache, SampleValues};
 use crate::image::Work;
+use crate::pixel_offsets::pixel_offset;
 use crate::plan::{March, PassKind, PlanLimits, area_strata, has_area_lights};
 use crate::programs::{Constants, Programs};
 use crate::readback::{FrameMeta, statistics_scale, wait};
@@ -167,8 +169,9 @@ impl Renderer {
             view.inputs.upload_slice(&self.device, slice);
         }
         let sample = SampleValues {
-            pixel_offset: view.image.pixel_offset(),
-            sample_index: view.image.base_samples(),
+            pixel_offset: pixel_offset(view.place_index()),
+            sample_index: view.place_index(),
+            accumulated: view.image.base_samples() + 1,
             turn: view.turn,
             march,
         };
@@ -195,7 +198,10 @@ impl Renderer {
         };
         frame::record(&mut recording, &view.plan, &mut parts, work, share)?;
         if share.estimated {
-            view.residual_camera = Some(view.scene.camera);
+            view.seen = Some(Seen {
+                camera: view.scene.camera,
+                changed: false,
+            });
         }
         view.ring.record(
             &mut recording.encoder,

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tyndall_scene::{Aabb, Camera, CorrectionMode, Geometry, Scene, SceneFacts, ShadowMode};
+use tyndall_scene::{Aabb, CorrectionMode, Geometry, Scene, SceneFacts, ShadowMode};
 
-use crate::correction::{SAFETY, largest_buffer};
+use crate::correction::{SAFETY, Seen, largest_buffer};
 use crate::device::{AdapterKind, Device};
 use crate::error::RenderError;
 use crate::frame::Share;
@@ -32,12 +32,12 @@ pub struct View {
     pub(crate) shadows: ShadowMaps,
     pub(crate) light_volume: Option<LightVolume>,
     pub(crate) image: Image,
-    /// Pictures since anything but the camera changed.
+    /// Pictures since residuals were carried over last.
     pub(crate) turn: u32,
-    /// The camera of the last picture, whose residuals were carried over.
-    pub(crate) history_camera: Option<Camera>,
-    /// The camera that the residuals were seen from, while they may be carried over.
-    pub(crate) residual_camera: Option<Camera>,
+    /// The last picture, whose residuals were carried over.
+    pub(crate) last_seen: Option<Seen>,
+    /// The picture at present, while its residuals may be carried over.
+    pub(crate) seen: Option<Seen>,
     pub(crate) slices: Slices,
     pub(crate) ring: ReadbackRing,
     pub(crate) timing: Timing,
@@ -146,8 +146,8 @@ impl View {
             light_volume: light_volume_for(device, &scene, &plan)?,
             image: Image::new(),
             turn: 0,
-            history_camera: None,
-            residual_camera: None,
+            last_seen: None,
+            seen: None,
             slices: Slices::new(slice_budget(device)),
             ring: ReadbackRing::new(device, width, height),
             timing: Timing::new(device),
@@ -195,12 +195,14 @@ impl View {
         if change.geometry || !self.inputs.fits(&scene) {
             self.inputs = Inputs::new(device, &scene);
         }
-        // The same scene gives the same bits, however often it was another in between.
-        if targets.is_some() || !change.only_camera() {
-            self.residual_camera = None;
+        if targets.is_some() || !change.is_gradual() {
+            self.seen = None;
             self.turn = 0;
         } else {
             self.turn += u32::from(change.restarts());
+        }
+        if let Some(seen) = &mut self.seen {
+            seen.changed |= change.beyond_camera();
         }
         if let Some(targets) = targets {
             self.targets = targets;
@@ -233,7 +235,7 @@ impl View {
         self.targets = Targets::new(device, width, height, needs)?;
         (self.limits, self.plan) = (limits, plan);
         self.ring = ReadbackRing::new(device, width, height);
-        self.residual_camera = None;
+        self.seen = None;
         self.turn = 0;
         self.image.restart();
         self.slices.restart();
@@ -277,17 +279,25 @@ impl View {
 
     /// Tells the correction what of the last picture it may use.
     pub(crate) fn look_back(&mut self, device: &Device, share: Share) {
-        let Some(correction) = &self.targets.correction else {
+        let Some(correction) = &mut self.targets.correction else {
             return;
         };
         if share.restarts {
-            self.history_camera = self.residual_camera.take();
+            self.last_seen = self.seen.take();
         }
         if share.estimated {
-            let last = self.history_camera.as_ref();
-            let samples = self.image.samples();
+            let last = self.last_seen.as_ref();
+            let base_samples = self.image.base_samples() + u32::from(share.base);
+            let samples = (self.image.samples(), base_samples);
             correction.look_back(device, last, &self.scene.camera, samples);
         }
+    }
+
+    /// Which of its places in pixels and strata the technique looks at: others than in the pictures before,
+    /// where those are carried over.
+    pub(crate) fn place_index(&self) -> u32 {
+        let carries = self.targets.needs.history;
+        self.image.base_samples() + if carries { self.turn } else { 0 }
     }
 
     /// Whether the technique has a mean of its own beside the traced one.

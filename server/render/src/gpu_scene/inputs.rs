@@ -32,6 +32,8 @@ pub(crate) struct Inputs {
 pub(crate) struct SampleValues {
     pub pixel_offset: [f32; 2],
     pub sample_index: u32,
+    /// Number of the sample in the running mean, from 1 on.
+    pub accumulated: u32,
     /// Counts the restarts of the running mean.
     pub turn: u32,
     pub march: March,
@@ -232,7 +234,7 @@ pub(crate) fn frame_values(
         march_jitter: scene.render.single_scattering.jitter.into(),
         exposure_scale: exposure_scale(camera.exposure_ev),
         statistics_scale: statistics_scale(width, height),
-        accumulated: sample.sample_index + 1,
+        accumulated: sample.accumulated,
         max_scatterings: limit(paths.max_scatterings),
         max_surface_scatterings: limit(paths.max_surface_scatterings),
         medium_order: match paths.medium_order {
@@ -261,23 +263,17 @@ fn half_angles(camera: &Camera, (width, height): (u32, u32)) -> [f64; 2] {
     [tan_y * f64::from(width) / f64::from(height), tan_y]
 }
 
-/// Camera `last` as `camera` needs it to look up what it saw; `most` samples of a half count.
+/// Camera `last` as `camera` needs it to look up what it saw.
 pub(crate) fn history_view(
-    last: Option<&Camera>,
+    last: &Camera,
     camera: &Camera,
-    size: (u32, u32),
-    most: f32,
+    [width, height]: [u32; 2],
 ) -> types::HistoryView {
-    let Some(last) = last else {
-        return types::HistoryView::default();
-    };
     let (right, up, forward) = basis(last);
-    let [tan_x, tan_y] = half_angles(last, size);
+    let [tan_x, tan_y] = half_angles(last, (width, height));
     types::HistoryView {
         right: (right * tan_x).as_vec3().to_array(),
-        valid: 1,
         up: (up * tan_y).as_vec3().to_array(),
-        most,
         forward: forward.as_vec3().to_array(),
         moved: (camera.position - last.position).as_vec3().to_array(),
         ..Default::default()
