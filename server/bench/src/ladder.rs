@@ -72,7 +72,7 @@ pub struct Rung {
     pub steps: Option<u32>,
     /// Samples a pixel.
     pub samples: u32,
-    /// Whether traced samples, as many, correct the picture.
+    /// Whether traced samples, as many, correct the picture; half of the strata are equiangular then.
     pub corrected: bool,
     /// What pixels share.
     pub sharing: Sharing,
@@ -127,7 +127,11 @@ pub fn ladder(technique: Technique, quick: bool) -> Vec<Rung> {
                     .iter()
                     .map(move |samples| rung(Some(steps), *samples, false))
             });
-            let corrected = counts.iter().map(|samples| rung(Some(32), *samples, true));
+            // As the page does it.
+            let corrected = counts.iter().map(|samples| Rung {
+                sharing: Sharing::Interleaved,
+                ..rung(Some(64), *samples, true)
+            });
             let most = *steps.last().unwrap_or(&32);
             let shared = [Sharing::Interleaved, Sharing::HalfResolution];
             let shared = shared.into_iter().flat_map(|sharing| {

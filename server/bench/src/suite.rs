@@ -257,6 +257,7 @@ impl Suite {
             });
             render.single_scattering.steps = rung.steps.unwrap_or(render.single_scattering.steps);
             render.single_scattering.interleave = rung.sharing.interleave();
+            render.single_scattering.equiangular |= rung.corrected;
             render.single_scattering.half_resolution = rung.sharing == Sharing::HalfResolution;
             (render.samples, render.time_seconds) = (Some(rung.samples), None);
             render.relative_error = None;
