@@ -222,7 +222,7 @@ pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) 
     );
     let suffix = format!("{suffix}{grids}");
     let marched = plan_march(&mut plan, facts, settings, lights, &suffix, *limits);
-    let area = plan_area_lights(&mut plan, facts, settings, *limits);
+    let area = plan_area_lights(&mut plan, facts, settings, (*limits, paths));
     let mut film = String::from("film");
     if marched {
         film.push_str("+in_scatter");

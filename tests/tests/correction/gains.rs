@@ -26,6 +26,10 @@ pub(crate) struct Rung {
     expected: f64,
     /// The same of the picture as it is, its worst pixels included.
     whole: f64,
+    /// Of the technique's bias in the picture's mean, the part that is left.
+    left: f64,
+    /// By how much the correction leaves the range of the residuals, as a part of it.
+    overshoot: f64,
     /// Expected and found error of each whole block of 32×32 pixels, relative to the picture's mean.
     pub blocks: Vec<(f64, f64)>,
 }
@@ -63,6 +67,37 @@ fn block_errors(still: &Still, truth: &Image) -> Vec<(f64, f64)> {
     errors
 }
 
+/// What the correction makes of the picture's mean, and of its extremes.
+fn whole_picture(still: &Still, truth: &Image, base: &[[f32; 4]], traced: &[[f32; 4]]) -> [f64; 2] {
+    let mean = |picture: &[[f32; 4]]| {
+        let sum: f64 = picture
+            .iter()
+            .flat_map(|p| &p[..3])
+            .map(|v| f64::from(*v))
+            .sum();
+        sum / (3 * picture.len()) as f64
+    };
+    let whole = truth
+        .rgb()
+        .iter()
+        .flatten()
+        .map(|v| f64::from(*v))
+        .sum::<f64>();
+    let whole = whole / (3 * truth.rgb().len()) as f64;
+    let bias = mean(base) - whole;
+    let range = |picture: &[[f32; 4]]| {
+        let apart = picture.iter().zip(base);
+        let apart = apart.flat_map(|(p, b)| (0..3).map(|c| f64::from(p[c] - b[c])));
+        apart.fold([0.0_f64; 2], |[low, high], v| [low.min(v), high.max(v)])
+    };
+    let [[low, high], [least, most]] = [range(traced), range(&still.radiance)];
+    let beyond = (low - least).max(most - high).max(0.0);
+    [
+        ((mean(&still.radiance) - whole) / bias).abs(),
+        beyond / (high - low),
+    ]
+}
+
 fn error(radiance: &[[f32; 4]], still: &Still, truth: &Image) -> f64 {
     let (width, height) = (still.frame.width, still.frame.height);
     let image = Image::from_rgba(width, height, radiance).expect("a still has its pixels");
@@ -89,13 +124,13 @@ pub(crate) fn climb(
         let seconds = started.elapsed().as_secs_f64();
         let traced = still.traced.as_ref().expect("samples were traced");
         let nothing = vec![[0.0; 4]; traced.len()];
+        let base = still.base.as_ref().unwrap_or(&nothing);
+        let [left, overshoot] = whole_picture(&still, &truth.image, base, traced);
         let rung = Rung {
+            left,
+            overshoot,
             traced: error(traced, &still, &truth.image),
-            base: error(
-                still.base.as_ref().unwrap_or(&nothing),
-                &still,
-                &truth.image,
-            ),
+            base: error(base, &still, &truth.image),
             corrected: error(&still.radiance, &still, &truth.image),
             expected: f64::from(still.frame.stats.estimated_error.expect("an estimate")),
             whole: tyndall_metrics::relative_rmse_debiased(&gpu::image(&still), &truth.image)
@@ -111,7 +146,7 @@ pub(crate) fn climb(
         let at = |share: f64| blocks.get((share * blocks.len() as f64) as usize).copied();
         let [least, middle, most] = [0.0, 0.5, 0.999].map(|share| at(share).unwrap_or(f64::NAN));
         println!(
-            "{name} {label} n {samples}: traced {:.4}, base {:.4}, corrected {:.4}; expected {:.4}, found {:.4}, blocks {least:.2} {middle:.2} {most:.2}; {seconds:.2} s",
+            "{name} {label} n {samples}: traced {:.4}, base {:.4}, corrected {:.4}; expected {:.4}, found {:.4}, blocks {least:.2} {middle:.2} {most:.2}; bias left {left:.3}, overshoot {overshoot:.3}; {seconds:.2} s",
             rung.traced, rung.base, rung.corrected, rung.expected, rung.whole,
         );
         rungs.push(rung);
@@ -132,6 +167,8 @@ fn gains(name: &str) {
         };
         for rung in &rungs {
             assert!(rung.expected >= 0.5 * rung.corrected, "optimistic");
+            assert!(rung.left < 0.1, "{} of the bias is left", rung.left);
+            assert!(rung.overshoot < 0.05, "{} beyond", rung.overshoot);
             let best = rung.traced.min(rung.base);
             assert!(
                 rung.corrected.powi(2) <= 1.05 * best.powi(2),

@@ -4,6 +4,7 @@
 
 mod calibration;
 mod gains;
+mod limit;
 mod motion;
 mod stress;
 

