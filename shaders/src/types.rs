@@ -37,6 +37,8 @@ pub const WRAP_REPEAT: u32 = 0;
 pub const WRAP_MIRRORED: u32 = 1;
 /// `TextureSlot::wrap_u`: repeats the edge texel.
 pub const WRAP_CLAMP: u32 = 2;
+/// Side of a tile over which new samples are compared with carried ones. Unit: pixel.
+pub const HISTORY_TILE: u32 = 16;
 
 macro_rules! mirrors {
     ($($(#[$meta:meta])* struct $name:ident { $($field:ident: $kind:ty,)* })*) => {

@@ -75,6 +75,7 @@ fn every_shared_constant_has_the_same_value_on_both_sides() {
         ("WRAP_REPEAT", types::WRAP_REPEAT),
         ("WRAP_MIRRORED", types::WRAP_MIRRORED),
         ("WRAP_CLAMP", types::WRAP_CLAMP),
+        ("HISTORY_TILE", types::HISTORY_TILE),
     ];
     let declared = source
         .lines()

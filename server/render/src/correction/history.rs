@@ -7,14 +7,11 @@
 //! rest. Cost: two passes over the pixels, two over tiles of 16×16.
 
 use tyndall_scene::Camera;
-use tyndall_shaders::types::{HistoryView, Innovation, TileChange};
+use tyndall_shaders::types::{HISTORY_TILE, HistoryView, Innovation, TileChange};
 
 use crate::device::Device;
 use crate::gpu_scene::history_view;
 use crate::programs::Bindings;
-
-/// Side of a tile over which new samples are compared with carried ones. Unit: pixel.
-pub(super) const TILE: u32 = 16;
 
 /// Samples of a half that what is carried over counts as at most: reprojection blurs, and errors of the
 /// places it assumes grow.
@@ -145,5 +142,5 @@ impl History {
 }
 
 fn tiles(size: [u32; 2]) -> [u32; 2] {
-    size.map(|side| side.div_ceil(TILE))
+    size.map(|side| side.div_ceil(HISTORY_TILE))
 }
