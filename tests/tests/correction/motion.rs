@@ -7,7 +7,7 @@ use tyndall_metrics::{
     Image, PIXELS_PER_DEGREE, hdr_flip, relative_rmse_trim, relative_rmse_trim_debiased,
 };
 use tyndall_render::{RenderOutcome, Renderer, View};
-use tyndall_scene::{CorrectionMode, Light, Scene, StopRule, Technique};
+use tyndall_scene::{CorrectionMode, Light, Scene, StopRule, Technique, presets};
 use tyndall_tests::{gpu, published};
 
 use crate::interactive;
@@ -65,10 +65,14 @@ fn walked(scene: &Scene, mode: CorrectionMode, steps: &[Arc<Scene>]) -> Vec<Imag
 }
 
 fn truth_of(scene: &Scene) -> Image {
+    truth_with(scene, 512)
+}
+
+fn truth_with(scene: &Scene, samples: u32) -> Image {
     let mut scene = scene.clone();
     scene.render.technique = Technique::Reference;
     scene.render.correction = CorrectionMode::Off;
-    scene.render.stop = StopRule::Samples(512);
+    scene.render.stop = StopRule::Samples(samples);
     scene.render.seed = 77;
     let still = gpu::render(&mut gpu::renderer(), scene);
     let image = gpu::image(&still);
@@ -188,6 +192,60 @@ fn a_medium_that_thickens_gathers_samples() {
     }
     let [first, last] = told.corrected;
     assert!(last < 0.7 * first, "{last} of {first}");
+}
+
+/// Samples so few that most pixels know only what was carried to them: one of 8×8 pixels a frame while the
+/// camera turns, a row a frame once it rests.
+#[test]
+fn a_few_samples_of_a_turning_camera_leave_no_specks() {
+    let description = presets::description("fogged_hall").expect("a preset");
+    let mut scene = tyndall_scene::build(description, None)
+        .expect("a scene")
+        .scene;
+    let (width, height) = (120, 75);
+    (scene.render.width, scene.render.height) = (width, height);
+    scene.render.stop = StopRule::Samples(1);
+    let turned = |step: u32, mode: CorrectionMode| {
+        let mut scene = scene.clone();
+        scene.render.correction = mode;
+        let camera = &mut scene.camera;
+        let ahead = camera.target - camera.position;
+        let (sin, cos) = (-0.04 * f64::from(step)).sin_cos();
+        camera.target.x = camera.position.x + cos * ahead.x + sin * ahead.z;
+        camera.target.z = camera.position.z - sin * ahead.x + cos * ahead.z;
+        Arc::new(scene)
+    };
+    const LAST: u32 = 10;
+    let truth = truth_with(&turned(LAST, CorrectionMode::Off), 128);
+    let mut errors = Vec::new();
+    for (mode, frames) in [
+        (CorrectionMode::Off, &[0][..]),
+        (CorrectionMode::Always, &[0, height / 2, height / 2]),
+    ] {
+        let mut renderer = gpu::renderer();
+        let mut view = renderer
+            .create_view(turned(0, mode), width, height)
+            .expect("a view");
+        view.set_slice_budget(Duration::ZERO);
+        for step in 0..=LAST {
+            renderer
+                .update_view(&mut view, turned(step, mode))
+                .expect("a camera");
+            frame(&mut renderer, &mut view);
+        }
+        for more in frames {
+            for _ in 0..*more {
+                frame(&mut renderer, &mut view);
+            }
+            let radiance = renderer.read_radiance(&view).expect("a picture");
+            let picture = Image::from_rgba(width, height, &radiance).expect("a picture");
+            errors.push(error_of(&picture, &truth));
+        }
+    }
+    println!("fogged hall: error uncorrected, turning, half and nearly all of a sample: {errors:.4?}");
+    assert!(errors[1] < 0.7 * errors[0], "{errors:?}");
+    assert!(errors[2] < errors[1], "{errors:?}");
+    assert!(errors[3] < errors[2], "{errors:?}");
 }
 
 /// What changed at once is in the next picture as if nothing had been carried.
