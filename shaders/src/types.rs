@@ -147,6 +147,8 @@ mirrors! {
         changed: u32,
         moved: [f32; 3],
         base_samples: f32,
+        same_place: f32,
+        padding: [u32; 3],
     }
 
     /// What new samples say against carried ones, in a tile of pixels.
@@ -154,12 +156,6 @@ mirrors! {
         a: [f32; 4],
         b: [f32; 4],
         cells: [f32; 4],
-    }
-
-    /// What becomes of carried residuals in a tile of pixels.
-    struct Innovation {
-        a: [f32; 4],
-        b: [f32; 4],
     }
 
     /// Box and samples of the grids' optical depth toward each light.

@@ -1,18 +1,20 @@
 //! What is carried over from picture to picture.
 //!
 //! The last picture's residuals are looked up where the present one sees the same places. They predict
-//! the new samples; what of the difference is change and not noise, by the halves, is added, and what was
-//! carried counts for the less the more changed (a Kalman filter whose variances are estimated).
+//! the new samples; what of the difference is change and not noise, by the halves, tells how much of them is
+//! forgotten (a Kalman filter whose variances are estimated).
 //! Bias: follows sudden changes within a few frames where samples are few; fades with the samples at
 //! rest. Cost: two passes over the pixels, two over tiles of 16×16.
 
 use tyndall_scene::Camera;
-use tyndall_shaders::types::{HISTORY_TILE, HistoryView, Innovation, TileChange};
+use tyndall_shaders::types::{HISTORY_TILE, HistoryView, TileChange};
 
 use crate::device::Device;
 use crate::gpu_scene::history_view;
 use crate::programs::Bindings;
 
+/// Part of the distance by which two may differ and still be of one place.
+const SAME_PLACE: f32 = 0.1;
 /// Samples of a half that what is carried over counts as at most: reprojection blurs, and errors of the
 /// places it assumes grow.
 const MOST_CARRIED: f32 = 32.0;
@@ -42,7 +44,7 @@ pub(super) struct History {
     carried_base: wgpu::Buffer,
     base_scales: wgpu::Buffer,
     tile_changes: wgpu::Buffer,
-    innovations: wgpu::Buffer,
+    forgetting: wgpu::Buffer,
     size: [u32; 2],
     /// Whether anything carried counts at present.
     counts: bool,
@@ -63,7 +65,7 @@ impl History {
             carried_base: buffer("carried_base", 16 * pixels),
             base_scales: buffer("base_scales", 16 * tiles),
             tile_changes: buffer("tile_changes", size_of::<TileChange>() as u64 * tiles),
-            innovations: buffer("innovations", size_of::<Innovation>() as u64 * tiles),
+            forgetting: buffer("forgetting", (4 * tiles).next_multiple_of(16)),
             size,
             counts: false,
         }
@@ -80,7 +82,7 @@ impl History {
             .buffer("carried_base", &self.carried_base)
             .buffer("base_scales", &self.base_scales)
             .buffer("tile_changes", &self.tile_changes)
-            .buffer("innovations", &self.innovations);
+            .buffer("forgetting", &self.forgetting);
     }
 
     /// Sets the picture that is looked back to, if any. What it said fades as `samples` come, so that a
@@ -101,6 +103,8 @@ impl History {
             value.most = most;
             value.most_base = (MOST_CARRIED_BASE - base_samples as f32).max(0.0);
             value.changed = last.changed.into();
+            // A camera at rest sees the same places, wherever in a pixel an edge is looked for.
+            value.same_place = if last.camera == *camera { 1e6 } else { SAME_PLACE };
         }
         value.base_samples = base_samples as f32;
         let bytes = bytemuck::bytes_of(&value);
@@ -133,7 +137,7 @@ impl History {
         if self.counts {
             before.push(("correction+base_scale", cells));
             after.push(("correction+changes", cells));
-            after.push(("correction+innovation", tiles(self.size)));
+            after.push(("correction+forgetting", tiles(self.size)));
             after.push(("correction+join", self.size));
         }
         before.push(("correction+steady_base", self.size));
