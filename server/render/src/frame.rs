@@ -17,6 +17,8 @@ pub(crate) struct Share {
     pub base: bool,
     /// A slice of the reference.
     pub slice: Option<Slice>,
+    /// Samples of a pixel once it is done, of the first one also its part.
+    pub done: f32,
     /// The correction, and the estimate of the error.
     pub estimated: bool,
     /// Whether what was traced before is forgotten.

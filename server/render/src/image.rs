@@ -90,8 +90,8 @@ pub(crate) struct Image {
     samples: u32,
     /// Samples of the technique that the traced ones correct; `samples` without correction.
     base_samples: u32,
-    /// `samples` when the correction ran last, if it did.
-    estimated_at: Option<u32>,
+    /// Samples of a pixel when the correction ran last, if it did.
+    estimated_at: Option<f32>,
     /// Whether samples were added since.
     behind: bool,
     epoch: u32,
@@ -246,14 +246,13 @@ impl Image {
         self.behind
     }
 
-    /// Whether the correction is worth its time once there are `samples` samples: they grew by an eighth, or
-    /// are all.
-    pub fn wants_estimate(&self, samples: u32, stop: StopRule) -> bool {
-        let last = matches!(stop, StopRule::Samples(target) if samples >= target)
+    /// Whether the correction is worth its time once there are `done` samples of a pixel, in the mean: it has
+    /// not run yet, they grew by an eighth, of the first one too, or they are all.
+    pub fn wants_estimate(&self, done: f32, stop: StopRule) -> bool {
+        let last = matches!(stop, StopRule::Samples(target) if done >= target as f32)
             && !self.wants_base(stop);
-        let before = self.estimated_at.unwrap_or(0);
-        let grown = samples > before;
-        samples == 0 || last || grown && u64::from(samples) * 8 >= u64::from(before) * 9
+        let grown = |before: f32| done >= before + 0.125 * before.max(1.0);
+        last || self.estimated_at.is_none_or(grown)
     }
 
     /// Samples the stop rule allows in all.
@@ -314,8 +313,15 @@ impl Image {
     }
 
     /// Notes that `work` was submitted, which added `samples` samples to every pixel; whether one of the
-    /// technique was among the work, where that has a mean of its own, and the estimate.
-    pub fn advance(&mut self, work: Work, samples: u32, base: Option<bool>, estimated: bool) {
+    /// technique was among the work, where that has a mean of its own; and the samples of a pixel that the
+    /// estimate was of, if one was.
+    pub fn advance(
+        &mut self,
+        work: Work,
+        samples: u32,
+        base: Option<bool>,
+        estimated: Option<f32>,
+    ) {
         if work == Work::Sample {
             self.samples = self.samples.saturating_add(samples);
             self.base_samples = match base {
@@ -324,8 +330,8 @@ impl Image {
             };
             self.behind |= samples > 0 || base == Some(true);
         }
-        if estimated {
-            self.estimated_at = Some(self.samples);
+        if estimated.is_some() {
+            self.estimated_at = estimated;
             self.behind = false;
         }
         self.redisplay = false;

@@ -72,6 +72,14 @@ impl Slice {
         if self.completes { self.samples } else { 0 }
     }
 
+    /// Part of a picture of `height` rows that its sweep has done then.
+    pub fn part(self, height: u32) -> f32 {
+        if self.stride > 1 {
+            return 0.0;
+        }
+        (self.first_row + self.rows) as f32 / height as f32
+    }
+
     /// Pixels it works on, along both axes.
     pub fn invocations(self, width: u32) -> [u32; 2] {
         [width.div_ceil(self.stride), self.rows.div_ceil(self.stride)]

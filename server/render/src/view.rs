@@ -252,11 +252,15 @@ impl View {
         let traces = self.plan.runs(PassKind::Reference) && !later;
         let slice = (work == Work::Sample && traces).then(|| self.next_slice(corrected));
         let samples = self.image.samples() + slice.map_or(0, Slice::completed_samples);
+        // Of the first sample its part counts, too: many frames may pass before it is whole.
+        let part = slice.map_or(0.0, |slice| slice.part(self.size().1));
+        let done = samples as f32 + if samples == 0 { part } else { 0.0 };
         Share {
             base: !corrected || self.image.wants_base(stop),
             slice,
+            done,
             estimated: match work {
-                Work::Sample => !corrected || self.image.wants_estimate(samples, stop),
+                Work::Sample => !corrected || self.image.wants_estimate(done, stop),
                 Work::Redisplay => corrected && self.image.is_behind(),
                 Work::Nothing | Work::Wait => false,
             },

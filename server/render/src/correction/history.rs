@@ -48,6 +48,8 @@ pub(super) struct History {
     size: [u32; 2],
     /// Whether anything carried counts at present.
     counts: bool,
+    /// Whether more than the camera is another.
+    changed: bool,
 }
 
 impl History {
@@ -68,6 +70,7 @@ impl History {
             forgetting: buffer("forgetting", (4 * tiles).next_multiple_of(16)),
             size,
             counts: false,
+            changed: false,
         }
     }
 
@@ -97,6 +100,7 @@ impl History {
         let most = MOST_CARRIED - samples as f32;
         let last = last.filter(|_| most > 0.0);
         self.counts = last.is_some();
+        self.changed = last.is_some_and(|last| last.changed);
         let mut value = HistoryView::default();
         if let Some(last) = last {
             value = history_view(&last.camera, camera, self.size);
@@ -134,10 +138,13 @@ impl History {
         } else if looks {
             before.push(("correction+carried", self.size));
         }
-        if self.counts {
+        // From another place the same is seen: nothing to compare.
+        if self.changed {
             before.push(("correction+base_scale", cells));
             after.push(("correction+changes", cells));
             after.push(("correction+forgetting", tiles(self.size)));
+        }
+        if self.counts {
             after.push(("correction+join", self.size));
         }
         before.push(("correction+steady_base", self.size));
