@@ -148,7 +148,8 @@ mirrors! {
         moved: [f32; 3],
         base_samples: f32,
         same_place: f32,
-        padding: [u32; 3],
+        spread: f32,
+        padding: [u32; 2],
     }
 
     /// What new samples say against carried ones, in a tile of pixels.

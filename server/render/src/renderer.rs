@@ -214,7 +214,8 @@ impl Renderer {
         let sweep = slice.map(|slice| view.slices.advance(slice));
         let added = slice.map_or(1, Slice::completed_samples);
         let base = view.has_base().then_some(share.base);
-        view.image.advance(work, added, base, share.estimated.then_some(share.done));
+        view.image
+            .advance(work, added, base, share.estimated.then_some(share.done));
         if let Some(sweep) = sweep {
             view.image.await_sweep(sweep);
         }

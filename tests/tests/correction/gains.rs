@@ -23,9 +23,9 @@ pub(crate) struct Rung {
     base: f64,
     corrected: f64,
     /// What the correction says of itself, over the whole picture.
-    expected: f64,
+    pub expected: f64,
     /// The same of the picture as it is, its worst pixels included.
-    whole: f64,
+    pub whole: f64,
     /// Of the technique's bias in the picture's mean, the part that is left.
     left: f64,
     /// By how much the correction leaves the range of the residuals, as a part of it.

@@ -6,6 +6,7 @@ use tyndall_metrics::{
 use tyndall_scene::{CorrectionMode, StopRule};
 use tyndall_tests::{gpu, published};
 
+use crate::gains::{BASES, climb};
 use crate::interactive;
 
 /// After many samples it is as far from the traced picture as that is from the truth, at most, and its
@@ -38,5 +39,18 @@ fn the_limit_is_the_traced_picture_and_unbiased() {
         // Where all paths bring the same, beside smoke, a block keeps its neighbours' weights.
         assert!(blocks.deviation < 1.5, "{blocks:?}");
         assert!(blocks.outside_3 * 20 <= blocks.count, "{blocks:?}");
+    }
+}
+
+/// With many samples the halves know their error well.
+#[test]
+fn the_error_expected_of_many_samples_is_found() {
+    for (label, settings) in BASES {
+        let Some(rungs) = climb("light_shafts", label, settings, &[256]) else {
+            return;
+        };
+        // Measured: 1.00 and 0.96.
+        let told = rungs[0].expected / rungs[0].whole;
+        assert!((0.8..1.2).contains(&told), "{label}: {told}");
     }
 }

@@ -242,7 +242,9 @@ fn a_few_samples_of_a_turning_camera_leave_no_specks() {
             errors.push(error_of(&picture, &truth));
         }
     }
-    println!("fogged hall: error uncorrected, turning, half and nearly all of a sample: {errors:.4?}");
+    println!(
+        "fogged hall: error uncorrected, turning, half and nearly all of a sample: {errors:.4?}"
+    );
     assert!(errors[1] < 0.7 * errors[0], "{errors:?}");
     assert!(errors[2] < errors[1], "{errors:?}");
     assert!(errors[3] < errors[2], "{errors:?}");

@@ -15,6 +15,11 @@ use crate::programs::Bindings;
 
 /// Part of the distance by which two may differ and still be of one place.
 const SAME_PLACE: f32 = 0.1;
+/// Standard deviations of the technique's picture about a pixel that what was carried of it may lie off. A
+/// camera at rest sees the same places, wherever in a pixel an edge is looked for: from a row that this
+/// time saw another surface the rows beside it differ by 1.4.
+const SPREAD: f32 = 1.0;
+const SPREAD_AT_REST: f32 = 1.5;
 /// Samples of a half that what is carried over counts as at most: reprojection blurs, and errors of the
 /// places it assumes grow.
 const MOST_CARRIED: f32 = 32.0;
@@ -107,8 +112,9 @@ impl History {
             value.most = most;
             value.most_base = (MOST_CARRIED_BASE - base_samples as f32).max(0.0);
             value.changed = last.changed.into();
-            // A camera at rest sees the same places, wherever in a pixel an edge is looked for.
-            value.same_place = if last.camera == *camera { 1e6 } else { SAME_PLACE };
+            let rests = last.camera == *camera;
+            value.same_place = if rests { 1e6 } else { SAME_PLACE };
+            value.spread = if rests { SPREAD_AT_REST } else { SPREAD };
         }
         value.base_samples = base_samples as f32;
         let bytes = bytemuck::bytes_of(&value);
