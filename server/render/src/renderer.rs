@@ -162,6 +162,7 @@ impl Renderer {
             view.stale = false;
         }
         let (width, height) = view.size();
+        let place = view.place_index();
         let share = view.share(work);
         view.look_back(&self.device, share);
         let slice = share.slice;
@@ -169,8 +170,8 @@ impl Renderer {
             view.inputs.upload_slice(&self.device, slice);
         }
         let sample = SampleValues {
-            pixel_offset: pixel_offset(view.place_index()),
-            sample_index: view.place_index(),
+            pixel_offset: pixel_offset(place),
+            sample_index: place,
             accumulated: view.image.base_samples() + 1,
             turn: view.turn,
             march,

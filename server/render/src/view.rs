@@ -11,6 +11,7 @@ use crate::error::RenderError;
 use crate::frame::Share;
 use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
 use crate::image::{Change, Image, Work};
+use crate::pixel_offsets::spread_pairs;
 use crate::plan::{FramePlan, March, PassKind, PlanLimits, plan};
 use crate::programs::Bindings;
 use crate::readback::{FinishedFrame, ReadbackRing};
@@ -276,6 +277,7 @@ impl View {
             .flatten();
         let slice = thinned.unwrap_or_else(|| self.slices.next(self.size(), done, most));
         Slice {
+            place: self.shares_places().then(|| self.first_place()),
             cleared: corrected,
             ..slice
         }
@@ -300,8 +302,31 @@ impl View {
     /// Which of its places in pixels and strata the technique looks at: others than in the pictures before,
     /// where those are carried over.
     pub(crate) fn place_index(&self) -> u32 {
-        let carries = self.targets.needs.history;
-        self.image.base_samples() + if carries { self.turn } else { 0 }
+        let index = self.image.base_samples() + self.first_place();
+        if self.shares_places() {
+            spread_pairs(index)
+        } else {
+            index
+        }
+    }
+
+    /// Whether traced samples lie where the technique's do, so that what both see of an edge cancels. What
+    /// is carried over was seen at other places: coherent ones of a frame would stand against it.
+    fn shares_places(&self) -> bool {
+        let past = if self.image.is_new() {
+            &self.seen
+        } else {
+            &self.last_seen
+        };
+        self.has_base() && past.is_none()
+    }
+
+    fn first_place(&self) -> u32 {
+        if self.targets.needs.history {
+            self.turn
+        } else {
+            0
+        }
     }
 
     /// Whether the technique has a mean of its own beside the traced one.
