@@ -15,6 +15,8 @@ use crate::view::ViewParts;
 pub(crate) struct Share {
     /// A sample of the technique.
     pub base: bool,
+    /// Index of its place in its pixel, and in its strata.
+    pub place: u32,
     /// A slice of the reference.
     pub slice: Option<Slice>,
     /// Samples of a pixel once it is done, of the first one also its part.

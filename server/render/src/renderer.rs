@@ -162,7 +162,6 @@ impl Renderer {
             view.stale = false;
         }
         let (width, height) = view.size();
-        let place = view.place_index();
         let share = view.share(work);
         view.look_back(&self.device, share);
         let slice = share.slice;
@@ -170,8 +169,8 @@ impl Renderer {
             view.inputs.upload_slice(&self.device, slice);
         }
         let sample = SampleValues {
-            pixel_offset: pixel_offset(place),
-            sample_index: place,
+            pixel_offset: pixel_offset(share.place),
+            sample_index: share.place,
             accumulated: view.image.base_samples() + 1,
             turn: view.turn,
             march,

@@ -1,5 +1,7 @@
 //! One picture being made: a scene, its state on the device, its running mean and its readback ring.
 
+mod places;
+
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -11,7 +13,6 @@ use crate::error::RenderError;
 use crate::frame::Share;
 use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
 use crate::image::{Change, Image, Work};
-use crate::pixel_offsets::spread_pairs;
 use crate::plan::{FramePlan, March, PassKind, PlanLimits, plan};
 use crate::programs::Bindings;
 use crate::readback::{FinishedFrame, ReadbackRing};
@@ -258,6 +259,7 @@ impl View {
         let done = samples as f32 + if samples == 0 { part } else { 0.0 };
         Share {
             base: !corrected || self.image.wants_base(stop),
+            place: self.place_index(),
             slice,
             done,
             estimated: match work {
@@ -296,36 +298,6 @@ impl View {
             let base_samples = self.image.base_samples() + u32::from(share.base);
             let samples = (self.image.samples(), base_samples);
             correction.look_back(device, last, &self.scene.camera, samples);
-        }
-    }
-
-    /// Which of its places in pixels and strata the technique looks at: others than in the pictures before,
-    /// where those are carried over.
-    pub(crate) fn place_index(&self) -> u32 {
-        let index = self.image.base_samples() + self.first_place();
-        if self.shares_places() {
-            spread_pairs(index)
-        } else {
-            index
-        }
-    }
-
-    /// Whether traced samples lie where the technique's do, so that what both see of an edge cancels. What
-    /// is carried over was seen at other places: coherent ones of a frame would stand against it.
-    fn shares_places(&self) -> bool {
-        let past = if self.image.is_new() {
-            &self.seen
-        } else {
-            &self.last_seen
-        };
-        self.has_base() && past.is_none()
-    }
-
-    fn first_place(&self) -> u32 {
-        if self.targets.needs.history {
-            self.turn
-        } else {
-            0
         }
     }
 

@@ -6,6 +6,7 @@ mod calibration;
 mod gains;
 mod limit;
 mod motion;
+mod places;
 mod stress;
 
 use tyndall_scene::{Scene, ShadowMode, Technique};

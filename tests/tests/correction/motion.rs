@@ -198,6 +198,7 @@ fn a_medium_that_thickens_gathers_samples() {
 /// camera turns, a row a frame once it rests.
 #[test]
 fn a_few_samples_of_a_turning_camera_leave_no_specks() {
+    const LAST: u32 = 10;
     let description = presets::description("fogged_hall").expect("a preset");
     let mut scene = tyndall_scene::build(description, None)
         .expect("a scene")
@@ -215,7 +216,6 @@ fn a_few_samples_of_a_turning_camera_leave_no_specks() {
         camera.target.z = camera.position.z - sin * ahead.x + cos * ahead.z;
         Arc::new(scene)
     };
-    const LAST: u32 = 10;
     let truth = truth_with(&turned(LAST, CorrectionMode::Off), 128);
     let mut errors = Vec::new();
     for (mode, frames) in [
