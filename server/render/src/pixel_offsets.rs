@@ -9,9 +9,9 @@
 const KEY: u32 = 0x3e7e_db00;
 
 /// In the sequence's own order even samples lie in one half of the pixel and odd ones in the other, and an
-/// edge would set them apart. Which of a pair comes first is the parity of these bits: of all such masks one
-/// of the two with which even samples alone, and odd ones, are stratified best in both dimensions, 2^(m − 1)
-/// of them in every elementary interval of m − 2 digits, m = 2 … 10.
+/// edge would set them apart. Which of a pair comes first is the parity of these bits: of all masks one of the
+/// two with which, of 2^m samples, every elementary interval of m − 2 digits holds as many even ones as odd
+/// ones, m = 2 … 10.
 const SPREADS_PAIRS: u32 = 0xdb6d_b6da;
 
 /// The order in which even samples alone, and odd ones, spread over the pixel.
@@ -65,6 +65,22 @@ fn pascal(index: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn even_samples_are_as_many_as_odd_ones_in_every_elementary_interval() {
+        for m in 2..=10_u32 {
+            for across in 0..=m - 2 {
+                let down = m - 2 - across;
+                let mut more_even = vec![0_i32; 1 << (m - 2)];
+                for sample in 0..1_u32 << m {
+                    let own = scrambled(spread_pairs(sample)).map(u64::from);
+                    let interval = ((own[0] << across) >> 32 << down) | ((own[1] << down) >> 32);
+                    more_even[interval as usize] += if sample % 2 == 0 { 1 } else { -1 };
+                }
+                assert!(more_even.iter().all(|v| *v == 0), "{m}, {across}");
+            }
+        }
+    }
 
     #[test]
     fn the_first_sample_is_the_centre() {
