@@ -120,7 +120,7 @@ mirrors! {
         stride: u32,
         offset_x: u32,
         offset_y: u32,
-        places: u32,
+        shares_places: u32,
     }
 
     /// A level of the residual's pyramid, the next coarser one, and the one after that.

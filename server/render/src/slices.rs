@@ -54,8 +54,8 @@ pub(crate) struct Slice {
     /// Every so many pixels along each axis, from the offset on; 1 takes all.
     pub stride: u32,
     pub offset: [u32; 2],
-    /// Index of the first sample's place in its pixel, where all pixels share them.
-    pub place: Option<u32>,
+    /// Whether all pixels share the places of their samples, with the technique.
+    pub shares_places: bool,
     /// Whether the buffers were cleared and hold what is known of every pixel.
     pub cleared: bool,
     /// Whether it is the last of its sweep.
@@ -98,7 +98,7 @@ impl Slice {
             stride: self.stride,
             offset_x: self.offset[0],
             offset_y: self.offset[1],
-            places: self.place.map_or(0, |first| first + 1),
+            shares_places: self.shares_places.into(),
         }
     }
 }
@@ -158,7 +158,7 @@ impl Slices {
             samples: 1,
             stride,
             offset: [place(0.754_877_666_246_693), place(0.569_840_290_998_053_3)],
-            place: None,
+            shares_places: false,
             cleared: true,
             completes: false,
         })
@@ -191,7 +191,7 @@ impl Slices {
             samples,
             stride: 1,
             offset: [0; 2],
-            place: None,
+            shares_places: false,
             cleared: false,
             completes: first_row + rows == height,
         }

@@ -279,7 +279,7 @@ impl View {
             .flatten();
         let slice = thinned.unwrap_or_else(|| self.slices.next(self.size(), done, most));
         Slice {
-            place: self.shares_places().then(|| self.first_place()),
+            shares_places: self.shares_places(),
             cleared: corrected,
             ..slice
         }

@@ -7,9 +7,11 @@ impl View {
     /// Which of its places in pixels and strata the technique looks at: others than in the pictures before,
     /// where those are carried over.
     pub(super) fn place_index(&self) -> u32 {
-        let index = self.image.base_samples() + self.first_place();
+        let index = self.image.base_samples();
         if self.shares_places() {
             spread_pairs(index)
+        } else if self.targets.needs.history {
+            index + self.turn
         } else {
             index
         }
@@ -24,13 +26,5 @@ impl View {
             &self.last_seen
         };
         self.has_base() && past.is_none()
-    }
-
-    pub(super) fn first_place(&self) -> u32 {
-        if self.targets.needs.history {
-            self.turn
-        } else {
-            0
-        }
     }
 }
