@@ -23,13 +23,13 @@ pub const MEDIUM_HEIGHT_FOG: u32 = 1;
 pub const MEDIUM_SPHERE: u32 = 2;
 /// `Medium::shape` of a density grid.
 pub const MEDIUM_GRID: u32 = 3;
-/// `Frame::medium_order`: any number of scatterings in media.
+/// `PathRules::medium_order`: any number of scatterings in media.
 pub const ORDER_ALL: u32 = 0;
-/// `Frame::medium_order`: none.
+/// `PathRules::medium_order`: none.
 pub const ORDER_NONE: u32 = 1;
-/// `Frame::medium_order`: exactly one.
+/// `PathRules::medium_order`: exactly one.
 pub const ORDER_SINGLE: u32 = 2;
-/// `Frame::medium_order`: at least two.
+/// `PathRules::medium_order`: at least two.
 pub const ORDER_MULTIPLE: u32 = 3;
 /// `TextureSlot::wrap_u`: tiles.
 pub const WRAP_REPEAT: u32 = 0;
@@ -94,19 +94,27 @@ mirrors! {
         sample_index: u32,
         seed: u32,
         background: [f32; 3],
-        march_steps: u32,
-        march_jitter: u32,
         exposure_scale: f32,
         statistics_scale: f32,
         accumulated: u32,
+        environment_size: [u32; 2],
+        environment_rotation: [f32; 2],
+        restart: u32,
+        padding: u32,
+    }
+
+    /// How camera rays are marched.
+    struct MarchSettings {
+        steps: u32,
+        jitter: u32,
+    }
+
+    /// Which paths the reference counts.
+    struct PathRules {
         max_scatterings: u32,
         max_surface_scatterings: u32,
         medium_order: u32,
         max_events: u32,
-        environment_size: [u32; 2],
-        environment_turn: [f32; 2],
-        turn: u32,
-        padding: [u32; 3],
     }
 
     /// The part of the picture that one dispatch of the reference works on.

@@ -6,7 +6,9 @@ use tyndall_scene::{ShadowMode, facts, presets};
 use tyndall_tests::gpu;
 
 fn planned(scene: &tyndall_scene::Scene) -> String {
-    plan(&facts(scene), &scene.render, &PlanLimits::default()).to_string()
+    plan(&facts(scene), &scene.render, &PlanLimits::default())
+        .expect("rendered")
+        .to_string()
 }
 
 fn box_scene(lights: &Value, media: &Value) -> tyndall_scene::Scene {
@@ -79,7 +81,9 @@ fn a_driver_with_a_loop_cap_gets_fewer_steps_and_a_reason() {
         loop_cap: Some(65_535),
         ..PlanLimits::default()
     };
-    let text = plan(&facts(&scene), &scene.render, &limits).to_string();
+    let text = plan(&facts(&scene), &scene.render, &limits)
+        .expect("rendered")
+        .to_string();
     assert!(text.contains("4096 were asked for"), "{text}");
     assert!(!planned(&scene).contains("were asked for"));
 }

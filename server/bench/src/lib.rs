@@ -9,7 +9,7 @@
 mod budget;
 mod error;
 mod frames;
-mod ladder;
+mod claim;
 mod machine;
 mod measures;
 mod memory;
@@ -27,7 +27,7 @@ mod truth;
 pub use budget::Budget;
 pub use error::BenchError;
 pub use frames::{FrameBench, Row};
-pub use ladder::{Claim, Rung, ladder};
+pub use claim::Claim;
 pub use machine::Machine;
 pub use measures::Measures;
 pub use memory::resident_bytes;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::ladder::Claim;
+use crate::claim::Claim;
 use crate::measures::Measures;
 use crate::statistics::Summary;
 

@@ -6,7 +6,7 @@ use tyndall_metrics::Image;
 use tyndall_scene::{Loaded, SceneDescription};
 
 use crate::error::BenchError;
-use crate::ladder::Claim;
+use crate::claim::Claim;
 use crate::pm_ref;
 
 /// A scene to be measured.

@@ -5,12 +5,12 @@ use std::time::Duration;
 
 use tyndall_metrics::Image;
 use tyndall_picture::scene_hash;
-use tyndall_render::Renderer;
+use tyndall_render::{Renderer, Rung, ladder};
 use tyndall_scene::description::render::{CorrectionMode, Technique};
 use tyndall_scene::{Scene, SceneEdit, apply_edit};
 
+use crate::claim::Claim;
 use crate::error::BenchError;
-use crate::ladder::{Claim, Rung, Sharing, ladder};
 use crate::machine::Machine;
 use crate::measures::Measures;
 use crate::memory::resident_bytes;
@@ -71,7 +71,7 @@ impl Suite {
         let rungs: usize = self
             .techniques
             .iter()
-            .map(|technique| ladder(*technique, self.quick).len())
+            .map(|technique| ladder((*technique).into(), self.quick).len())
             .sum();
         (rungs + 2 + usize::from(self.peer.is_some())) as u64
     }
@@ -114,9 +114,9 @@ impl Suite {
         }
         let machine = Machine::of(renderer);
         for technique in &self.techniques {
-            for rung in ladder(*technique, self.quick) {
+            for rung in ladder((*technique).into(), self.quick) {
                 progress(&format!("{}: {}", subject.name, rung.name()));
-                let row = self.measure(renderer, subject, size, rung, &machine, &truths);
+                let row = self.measure(renderer, subject, size, &rung, &machine, &truths);
                 match row {
                     Ok((row, image)) => {
                         let exhibit = Exhibit {
@@ -159,14 +159,14 @@ impl Suite {
         renderer: &mut Renderer,
         subject: &Subject,
         size: (u32, u32),
-        rung: Rung,
+        rung: &Rung,
         machine: &Machine,
         truths: &[(Claim, Truth)],
     ) -> Result<(LadderRow, Image), BenchError> {
         let scene = Self::scene(subject, size, Some(rung))?;
         let budget = Duration::from_secs_f64(self.row_seconds);
         let shot = shoot(renderer, &scene, size, rung.samples, budget, WARM_UP)?;
-        let claim = rung.claim();
+        let claim = Claim::of_rung(rung);
         let mut row = LadderRow {
             technique: rung.name(),
             steps: rung.steps,
@@ -243,22 +243,17 @@ impl Suite {
     fn scene(
         subject: &Subject,
         (width, height): (u32, u32),
-        rung: Option<Rung>,
+        rung: Option<&Rung>,
     ) -> Result<Scene, BenchError> {
         let mut render = subject.description.render.clone();
         (render.width, render.height) = (width, height);
         if let Some(rung) = rung {
-            render.technique = rung.technique;
-            render.reference = rung.claim().reference();
+            render.reference = Claim::of_rung(rung).reference();
             render.correction = Some(if rung.corrected {
                 CorrectionMode::Always
             } else {
                 CorrectionMode::Off
             });
-            render.single_scattering.steps = rung.steps.unwrap_or(render.single_scattering.steps);
-            render.single_scattering.interleave = rung.sharing.interleave();
-            render.single_scattering.equiangular |= rung.corrected;
-            render.single_scattering.half_resolution = rung.sharing == Sharing::HalfResolution;
             (render.samples, render.time_seconds) = (Some(rung.samples), None);
             render.relative_error = None;
         }
@@ -266,7 +261,12 @@ impl Suite {
             render: Some(render),
             ..SceneEdit::default()
         };
-        Ok(apply_edit(&subject.description, &subject.loaded.scene, &edit)?.1)
+        let mut scene = apply_edit(&subject.description, &subject.loaded.scene, &edit)?.1;
+        if let Some(rung) = rung {
+            scene.render.technique = rung.technique;
+            (rung.configure)(&mut scene.render, rung);
+        }
+        Ok(scene)
     }
 }
 

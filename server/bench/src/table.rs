@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::ladder::Claim;
+use crate::claim::Claim;
 use crate::measures::Measures;
 use crate::row::LadderRow;
 use crate::suite::SceneResult;

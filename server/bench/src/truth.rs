@@ -11,7 +11,7 @@ use tyndall_scene::description::render::{CorrectionMode, ShadowMode, Technique};
 use tyndall_scene::{Scene, SceneDescription, SceneEdit, apply_edit};
 
 use crate::error::BenchError;
-use crate::ladder::Claim;
+use crate::claim::Claim;
 use crate::shot::{WARM_UP, shoot};
 use crate::subject::Subject;
 

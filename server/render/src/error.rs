@@ -73,6 +73,14 @@ pub enum RenderError {
         /// Allowed amount.
         allowed: u64,
     },
+    /// The picture needs more memory than it may have.
+    #[error("the picture needs {needed} bytes of device memory, allowed are {allowed}")]
+    Memory {
+        /// Unit: byte.
+        needed: u64,
+        /// Unit: byte.
+        allowed: u64,
+    },
     /// The scene uses something that is not rendered yet.
     #[error(transparent)]
     NotRenderedYet(#[from] crate::supported::NotRenderedYet),

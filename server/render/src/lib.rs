@@ -1,42 +1,39 @@
 //! Renders participating media with wgpu: scene in, pictures out. No network.
 //!
 //! Read in the order of a frame: [`Device`] opens an adapter and tests it; `gpu_scene` uploads what a
-//! [`Scene`](tyndall_scene::Scene) holds; [`plan()`] decides which passes run and says why; `frame`
-//! records them in that order, `techniques` holding the transport; `engine` alone submits; `image`
-//! owns the running mean; `readback` brings pictures home without blocking. [`Renderer`] ties them
-//! together for one device and any number of [`View`]s.
+//! [`Scene`](tyndall_scene::Scene) holds; [`plan()`] asks a technique (`techniques`) which passes run
+//! and says why; `frame` records them in that order, each by the stage or technique that planned it;
+//! `engine` alone makes resources and submits; `picture` says what the next frame adds; `correction`
+//! brings the technique's picture toward the traced one. [`Renderer`] ties them together for one
+//! device and any number of [`View`]s.
 
 mod correction;
-mod device;
 mod engine;
 mod error;
 mod frame;
 mod gpu_scene;
-mod image;
-mod pixel_offsets;
+mod picture;
 mod plan;
+mod prepare;
 #[cfg(feature = "probe")]
 pub mod probe;
-mod programs;
-mod readback;
 mod renderer;
-mod self_test;
-mod slices;
+mod stages;
 mod still;
 mod supported;
-mod targets;
 mod techniques;
-mod timing;
-mod tonemap;
 mod view;
 
-pub use device::{AdapterKind, AdapterSummary, Device, DeviceOptions};
+pub use engine::{
+    AdapterKind, AdapterSummary, Device, DeviceOptions, FinishedFrame, FrameStats, MemoryBudget,
+    PassTime, SelfTest,
+};
 pub use error::{DeviceError, RenderError};
-pub use plan::{FramePlan, PassKind, PlanLimits, PlannedPass, SkippedPass, plan};
-pub use readback::{FinishedFrame, FrameStats};
+pub use frame::{FramePlan, PassId, PlanLimits, PlannedPass, SkippedPass};
+pub use plan::plan;
+pub use prepare::Prepared;
 pub use renderer::{RenderOutcome, Renderer};
-pub use self_test::SelfTest;
 pub use still::{Still, StillProgress};
 pub use supported::{NotRenderedYet, approximations, check_supported};
-pub use timing::PassTime;
+pub use techniques::{Claim, Paths, Rung, claim, ladder};
 pub use view::View;

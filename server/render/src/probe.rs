@@ -1,10 +1,8 @@
 //! For tests: single shaders on their own, with buffers bound by name.
 
-use crate::device::Device;
+use crate::engine::{Bindings, Constants, Device, Pipelines, read_now};
 use crate::error::RenderError;
-use crate::programs::{Bindings, Constants, Programs, RasterTargets};
-use crate::readback::read_now;
-use crate::targets::GBUFFER_FORMATS;
+use crate::stages::{shadow_maps, surfaces};
 use tyndall_shaders::{Stage, types};
 
 /// How many of what a probe is built for.
@@ -42,16 +40,10 @@ pub fn run_for(
     output_bytes: u64,
     workgroups: u32,
 ) -> Result<Vec<u8>, RenderError> {
-    let programs = Programs::default();
-    let program = programs.compute(
-        device,
-        shader,
-        Constants {
-            medium_count: counts.media,
-            emitter_count: counts.emitters,
-            ..Constants::default()
-        },
-    )?;
+    let constants = Constants::default()
+        .number("MEDIUM_COUNT", counts.media)
+        .number("EMITTER_COUNT", counts.emitters);
+    let program = Pipelines::default().compute(device, shader, &constants)?;
     let buffer = |size: u64, usage: wgpu::BufferUsages| {
         device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("probe"),
@@ -97,28 +89,25 @@ pub fn run_for(
 
 /// Builds the pipeline of every permutation; returns the names of those that fail, with the reason.
 pub fn failing_pipelines(device: &Device) -> Vec<String> {
-    let programs = Programs::default();
+    let pipelines = Pipelines::default();
     tyndall_shaders::all()
         .iter()
         .filter_map(|shader| {
             let built = if shader.has(Stage::Compute) {
-                programs
-                    .compute(device, shader.name, Constants::default())
+                pipelines
+                    .compute(device, shader.name, &Constants::default())
                     .map(|_| ())
             } else {
-                let colors = match (
-                    shader.has(Stage::Fragment),
-                    shader.name.contains("emissive"),
-                ) {
-                    _ if shader.name.starts_with("shadow_map") => 0,
-                    (_, true) => 3,
-                    (_, false) => 2,
+                let state = if shader.name.starts_with("shadow_map") {
+                    shadow_maps::depth_state()
+                } else if shader.name.contains("emissive") {
+                    surfaces::gbuffer_state(3)
+                } else {
+                    surfaces::gbuffer_state(2)
                 };
-                let targets = RasterTargets {
-                    colors: &GBUFFER_FORMATS[..colors],
-                    depth_bias: wgpu::DepthBiasState::default(),
-                };
-                programs.raster(device, shader.name, &targets).map(|_| ())
+                pipelines
+                    .raster(device, shader.name, &state)
+                    .map(|_| ())
             };
             built.err().map(|error| format!("{}: {error}", shader.name))
         })
@@ -141,12 +130,7 @@ pub fn frame_values(
             pixel_offset,
             sample_index: 0,
             accumulated: 1,
-            turn: 0,
-            march: crate::plan::March::of(
-                &facts,
-                &scene.render,
-                crate::plan::PlanLimits::default(),
-            ),
+            restart: 0,
         },
     )
 }
@@ -159,8 +143,8 @@ pub fn medium_values(scene: &tyndall_scene::Scene) -> Vec<types::Medium> {
 
 /// Bytes of the BVH of `scene`'s geometry relative to the world's origin: nodes, vertices.
 pub fn bvh_bytes(scene: &tyndall_scene::Scene) -> Result<(Vec<u8>, Vec<u8>), RenderError> {
-    let parts = crate::gpu_scene::bvh_parts(&scene.geometry, glam::DVec3::ZERO)?;
-    Ok((parts.nodes, parts.vertices))
+    let bvh = crate::gpu_scene::CpuBvh::build(&scene.geometry, glam::DVec3::ZERO)?;
+    Ok(bvh.bytes())
 }
 
 /// What the device knows of `scene`'s emissive triangles, relative to the world's origin.
@@ -178,10 +162,10 @@ pub struct EmitterBytes {
 
 /// The emissive triangles of `scene`, in buffers.
 pub fn emitter_bytes(scene: &tyndall_scene::Scene) -> Result<EmitterBytes, RenderError> {
-    let parts = crate::gpu_scene::bvh_parts(&scene.geometry, glam::DVec3::ZERO)?;
-    let (surfaces, emitters) = crate::gpu_scene::triangle_values(&scene.geometry, &parts.order);
+    let bvh = crate::gpu_scene::CpuBvh::build(&scene.geometry, glam::DVec3::ZERO)?;
+    let (surfaces, emitters) = crate::gpu_scene::triangle_values(&scene.geometry, bvh.order());
     Ok(EmitterBytes {
-        vertices: parts.vertices,
+        vertices: bvh.bytes().1,
         surfaces,
         materials: crate::gpu_scene::material_values(&scene.geometry, None, None),
         emitters,

@@ -1,10 +1,11 @@
 //! A picture rendered to its stop rule, with its linear radiance.
 
-use crate::correction::Correction;
+use crate::correction;
+use crate::engine::{FinishedFrame, ResourceSpec, read_now};
 use crate::error::RenderError;
-use crate::plan::PassKind;
-use crate::readback::{FinishedFrame, read_now};
 use crate::renderer::{RenderOutcome, Renderer};
+use crate::stages::film::{self, FILM, TECHNIQUE_FILM};
+use crate::techniques::reference::paths::{FILM_ALBEDO, FILM_NORMAL, MOMENTS, PASS, TRACED_FILM};
 use crate::view::View;
 
 /// A finished picture.
@@ -136,20 +137,23 @@ impl Renderer {
             albedo: None,
             non_finite: counts.non_finite,
             negative: counts.negative,
-            truncated: counts.truncated + view.image.unfinished(),
+            truncated: counts.truncated + view.accumulation.unfinished(),
         };
-        if let Some(reference) = &view.targets.reference {
-            let moments = self.read_pixels(&reference.moments)?;
-            let albedo = self.read_pixels(&reference.film_albedo)?;
-            let normal = self.read_pixels(&reference.film_normal)?;
-            if let Some(correction) = &view.targets.correction {
-                still.base = view
-                    .plan
-                    .runs(PassKind::Film)
-                    .then(|| self.read_pixels(&correction.base_film))
+        let plan = view.plan();
+        if plan.runs(PASS) {
+            let moments = self.read_pixels(view, &MOMENTS)?;
+            let albedo = self.read_pixels(view, &FILM_ALBEDO)?;
+            let normal = self.read_pixels(view, &FILM_NORMAL)?;
+            if plan.runs(correction::PASS) {
+                still.base = plan
+                    .runs(film::PASS)
+                    .then(|| self.read_pixels(view, &TECHNIQUE_FILM))
                     .transpose()?;
-                still.traced = Some(self.read_pixels(reference.film(&view.targets))?);
-                still.square_error = Some(self.read_square_errors(correction, &still)?);
+                still.traced = Some(self.read_pixels(view, &TRACED_FILM)?);
+                let bytes = self.read_bytes(view, &correction::SQUARE_ERRORS)?;
+                let mut errors: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+                errors.truncate(still.radiance.len());
+                still.square_error = Some(errors);
             }
             let rgb = |v: [f32; 4]| [v[0], v[1], v[2]];
             let variance = |m: &[f32; 4]| rgb(*m).map(|sum| sum / (m[3] * (m[3] - 1.0)).max(1.0));
@@ -166,30 +170,24 @@ impl Renderer {
 
     /// Reads the running mean: linear RGB radiance and transmittance, row 0 at the top.
     pub fn read_radiance(&self, view: &View) -> Result<Vec<[f32; 4]>, RenderError> {
-        self.read_pixels(&view.targets.film)
-    }
-
-    fn read_square_errors(
-        &self,
-        correction: &Correction,
-        still: &Still,
-    ) -> Result<Vec<f32>, RenderError> {
-        let mut errors: Vec<f32> =
-            bytemuck::pod_collect_to_vec(&self.read_bytes(&correction.square_errors)?);
-        errors.truncate(still.radiance.len());
-        Ok(errors)
+        self.read_pixels(view, &FILM)
     }
 
     /// Reads a buffer of four floats an entry.
-    fn read_pixels(&self, film: &wgpu::Buffer) -> Result<Vec<[f32; 4]>, RenderError> {
-        Ok(bytemuck::pod_collect_to_vec(&self.read_bytes(film)?))
+    fn read_pixels(&self, view: &View, spec: &ResourceSpec) -> Result<Vec<[f32; 4]>, RenderError> {
+        Ok(bytemuck::pod_collect_to_vec(&self.read_bytes(view, spec)?))
     }
 
-    fn read_bytes(&self, film: &wgpu::Buffer) -> Result<Vec<u8>, RenderError> {
+    fn read_bytes(&self, view: &View, spec: &ResourceSpec) -> Result<Vec<u8>, RenderError> {
         let device = self.device();
+        let found = view.state.resources.buffer(spec.name);
+        let buffer = found.ok_or_else(|| RenderError::Shader {
+            shader: spec.name.to_owned(),
+            what: "no pass of the plan declares it".into(),
+        })?;
         let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("still.radiance"),
-            size: film.size(),
+            label: Some("still.read"),
+            size: buffer.size(),
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -198,7 +196,7 @@ impl Renderer {
             .create_command_encoder(&wgpu::CommandEncoderDescriptor {
                 label: Some("still"),
             });
-        encoder.copy_buffer_to_buffer(film, 0, &staging, 0, None);
+        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, None);
         device.queue.submit([encoder.finish()]);
         read_now(device, &staging)
     }

@@ -143,7 +143,7 @@ pub(crate) fn plan(plan: &tyndall_render::FramePlan) -> protocol::Plan {
             .iter()
             .map(|pass| protocol::PlannedPass {
                 pass: pass.pass.name().to_owned(),
-                variant: pass.variant.clone(),
+                variant: pass.variant().to_owned(),
                 reason: pass.reason.clone(),
             })
             .collect(),

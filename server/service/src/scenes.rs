@@ -105,7 +105,7 @@ async fn on_blocking_thread(description: SceneDescription) -> Result<Loaded, Bui
 fn plan(loaded: &Loaded) -> Result<PlanReply, BuildError> {
     check_supported(&loaded.scene)?;
     let facts = facts(&loaded.scene);
-    let plan = tyndall_render::plan(&facts, &loaded.scene.render, &PlanLimits::default());
+    let plan = tyndall_render::plan(&facts, &loaded.scene.render, &PlanLimits::default())?;
     Ok(PlanReply {
         name: loaded.scene.name.clone(),
         plan: backend::plan(&plan),

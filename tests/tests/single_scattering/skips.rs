@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 use tyndall_metrics::relative_rmse;
-use tyndall_render::{PassKind, Still};
+use tyndall_render::{PassId, Still};
 use tyndall_scene::{Scene, StopRule};
 use tyndall_tests::pass_times::least_millis;
 use tyndall_tests::{estimate, gpu};
@@ -57,7 +57,7 @@ fn saves(what: &str, left_out: Scene, done: Scene) -> f64 {
 }
 
 /// Whether the plan says why `what` of a pass is left out.
-fn skips(scene: &Scene, pass: PassKind, what: &str) -> bool {
+fn skips(scene: &Scene, pass: PassId, what: &str) -> bool {
     estimate::with_renderer(|renderer| {
         let view = renderer
             .create_view(Arc::new(scene.clone()), 64, 48)
@@ -107,8 +107,8 @@ fn lights_that_cast_no_shadows_need_no_maps_and_no_surfaces_change_that() {
     // Few enough strata that no Gauss rule takes their place.
     let with = scene(&fog(0.2), &lamp(true), true, 32);
     let without = scene(&fog(0.2), &lamp(false), true, 32);
-    assert!(!skips(&with, PassKind::ShadowMaps, ""));
-    assert!(skips(&without, PassKind::ShadowMaps, ""));
+    assert!(!skips(&with, PassId("shadow_maps"), ""));
+    assert!(skips(&without, PassId("shadow_maps"), ""));
     // The wall is behind the lamp and shadows nothing that is seen.
     let difference = saves("no shadow maps", without, with);
     assert!(difference < 2e-3, "{difference}");
@@ -120,12 +120,12 @@ fn a_constant_phase_function_is_not_computed() {
     let nearly = scene(&fog(1e-6), &lamp(true), true, 64);
     assert!(skips(
         &constant,
-        PassKind::SingleScattering,
+        PassId("single_scattering"),
         "phase function"
     ));
     assert!(!skips(
         &nearly,
-        PassKind::SingleScattering,
+        PassId("single_scattering"),
         "phase function"
     ));
     let difference = saves("a constant phase function", constant, nearly);
@@ -138,8 +138,8 @@ fn what_only_absorbs_is_not_marched() {
         |sigma_s: f64| json!([{ "kind": "homogeneous", "sigma_s": sigma_s, "sigma_a": 0.3 }]);
     let absorbing = scene(&media(0.0), &lamp(true), true, 64);
     let nearly = scene(&media(1e-12), &lamp(true), true, 64);
-    assert!(skips(&absorbing, PassKind::SingleScattering, ""));
-    assert!(!skips(&nearly, PassKind::SingleScattering, ""));
+    assert!(skips(&absorbing, PassId("single_scattering"), ""));
+    assert!(!skips(&nearly, PassId("single_scattering"), ""));
     let difference = saves("what only absorbs", absorbing, nearly);
     assert!(difference < 1e-6, "{difference}");
 }
@@ -162,5 +162,5 @@ fn a_spot_is_marched_inside_its_cone_only() {
 #[test]
 fn without_grids_no_light_volume_is_filled() {
     let plain = scene(&fog(0.0), &lamp(true), true, 16);
-    assert!(skips(&plain, PassKind::LightVolume, ""));
+    assert!(skips(&plain, PassId("light_volume"), ""));
 }

@@ -17,7 +17,7 @@ use tyndall_picture::read_npy;
 use tyndall_scene::Scene;
 
 use crate::error::BenchError;
-use crate::ladder::Claim;
+use crate::claim::Claim;
 
 /// The script, and what it imports, as they are run.
 const SCRIPTS: [(&str, &str); 2] = [

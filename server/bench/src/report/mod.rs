@@ -6,7 +6,7 @@ mod strip;
 use std::fmt::Write as _;
 
 use crate::error::BenchError;
-use crate::ladder::Claim;
+use crate::claim::Claim;
 use crate::machine::Machine;
 use crate::row::LadderRow;
 use crate::suite::SceneResult;

@@ -7,7 +7,7 @@ use tyndall_picture::{display, encode_png};
 
 use super::escape;
 use crate::error::BenchError;
-use crate::ladder::Claim;
+use crate::claim::Claim;
 use crate::measures::error_map;
 use crate::suite::SceneResult;
 

@@ -26,7 +26,7 @@ impl Plan {
             &facts(&loaded.scene),
             &loaded.scene.render,
             &PlanLimits::default(),
-        );
+        )?;
         let mut out = std::io::stdout().lock();
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&plan)?)?;

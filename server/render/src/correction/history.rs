@@ -6,12 +6,13 @@
 //! Bias: follows sudden changes within a few frames where samples are few; fades with the samples at
 //! rest. Cost: two passes over the pixels, two over tiles of 16×16.
 
-use tyndall_scene::Camera;
-use tyndall_shaders::types::{HISTORY_TILE, HistoryView, TileChange};
+use std::cell::Cell;
 
-use crate::device::Device;
+use tyndall_scene::Camera;
+use tyndall_shaders::types::{HISTORY_TILE, HistoryView};
+
+use crate::engine::{Bindings, Device};
 use crate::gpu_scene::history_view;
-use crate::programs::Bindings;
 
 /// Part of the distance by which two may differ and still be of one place.
 const SAME_PLACE: f32 = 0.1;
@@ -35,68 +36,40 @@ pub(crate) struct Seen {
     pub changed: bool,
 }
 
-/// The last picture's residuals, and what the present one makes of them.
-#[derive(Debug)]
+/// What is said of the last picture, and which passes that takes.
+#[derive(Debug, Clone)]
 pub(super) struct History {
     view: wgpu::Buffer,
-    residuals: wgpu::Buffer,
-    /// Distance and number of the technique's samples, two f32 a pixel. Unit: m.
-    places: wgpu::Buffer,
-    base: wgpu::Buffer,
-    /// Of the picture at present.
-    own_places: wgpu::Buffer,
-    carried: wgpu::Buffer,
-    carried_base: wgpu::Buffer,
-    base_scales: wgpu::Buffer,
-    tile_changes: wgpu::Buffer,
-    forgetting: wgpu::Buffer,
     size: [u32; 2],
     /// Whether anything carried counts at present.
-    counts: bool,
+    counts: Cell<bool>,
     /// Whether more than the camera is another.
-    changed: bool,
+    changed: Cell<bool>,
 }
 
 impl History {
-    pub fn new(size: [u32; 2], buffer: &dyn Fn(&str, u64) -> wgpu::Buffer) -> Self {
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let [columns, rows] = tiles(size);
-        let tiles = u64::from(columns) * u64::from(rows);
+    pub fn new(device: &Device, size: [u32; 2]) -> Self {
         Self {
-            view: buffer("history_view", size_of::<HistoryView>() as u64),
-            residuals: buffer("history", 32 * pixels),
-            places: buffer("history_places", (8 * pixels).next_multiple_of(16)),
-            base: buffer("history_base", 16 * pixels),
-            own_places: buffer("residual_places", (8 * pixels).next_multiple_of(16)),
-            carried: buffer("carried", 32 * pixels),
-            carried_base: buffer("carried_base", 16 * pixels),
-            base_scales: buffer("base_scales", 16 * tiles),
-            tile_changes: buffer("tile_changes", size_of::<TileChange>() as u64 * tiles),
-            forgetting: buffer("forgetting", (4 * tiles).next_multiple_of(16)),
+            view: device.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("history_view"),
+                size: size_of::<HistoryView>() as u64,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
             size,
-            counts: false,
-            changed: false,
+            counts: Cell::new(false),
+            changed: Cell::new(false),
         }
     }
 
     pub fn bind<'a>(&'a self, bindings: &mut Bindings<'a>) {
-        bindings
-            .buffer("history_view", &self.view)
-            .buffer("history", &self.residuals)
-            .buffer("history_places", &self.places)
-            .buffer("history_base", &self.base)
-            .buffer("residual_places", &self.own_places)
-            .buffer("carried", &self.carried)
-            .buffer("carried_base", &self.carried_base)
-            .buffer("base_scales", &self.base_scales)
-            .buffer("tile_changes", &self.tile_changes)
-            .buffer("forgetting", &self.forgetting);
+        bindings.buffer("history_view", &self.view);
     }
 
     /// Sets the picture that is looked back to, if any. What it said fades as `samples` come, so that a
     /// picture at rest is free of what carrying did to it.
     pub fn look_back(
-        &mut self,
+        &self,
         device: &Device,
         last: Option<&Seen>,
         camera: &Camera,
@@ -104,8 +77,8 @@ impl History {
     ) {
         let most = MOST_CARRIED - samples as f32;
         let last = last.filter(|_| most > 0.0);
-        self.counts = last.is_some();
-        self.changed = last.is_some_and(|last| last.changed);
+        self.counts.set(last.is_some());
+        self.changed.set(last.is_some_and(|last| last.changed));
         let mut value = HistoryView::default();
         if let Some(last) = last {
             value = history_view(&last.camera, camera, self.size);
@@ -121,40 +94,45 @@ impl History {
         device.queue.write_buffer(&self.view, 0, bytes);
     }
 
-    /// Records that `residuals` of the picture `base` become the last one's.
-    pub fn carry(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        residuals: &wgpu::Buffer,
-        base: &wgpu::Buffer,
-    ) {
-        let size = self.residuals.size();
-        encoder.copy_buffer_to_buffer(residuals, 0, &self.residuals, 0, size);
-        encoder.copy_buffer_to_buffer(base, 0, &self.base, 0, None);
-        encoder.copy_buffer_to_buffer(&self.own_places, 0, &self.places, 0, None);
-    }
-
     /// The passes before the residual's, and those after it: variant and size of each. `looks` where the
     /// picture is a new one; `grids` where media are density grids.
     pub fn passes(&self, looks: bool, grids: bool) -> [Vec<(&'static str, [u32; 2])>; 2] {
         let cells = self.size.map(|side| side.div_ceil(2));
         let (mut before, mut after) = (Vec::new(), Vec::new());
-        if looks && grids {
-            before.push(("correction+carried+grids", self.size));
-        } else if looks {
-            before.push(("correction+carried", self.size));
+        if looks {
+            before.push((carried(grids), self.size));
         }
         // From another place the same is seen: nothing to compare.
-        if self.changed {
+        if self.changed.get() {
             before.push(("correction+base_scale", cells));
             after.push(("correction+changes", cells));
             after.push(("correction+forgetting", tiles(self.size)));
         }
-        if self.counts {
+        if self.counts.get() {
             after.push(("correction+join", self.size));
         }
         before.push(("correction+steady_base", self.size));
         [before, after]
+    }
+}
+
+/// Permutations of all these passes.
+pub(super) fn programs(grids: bool) -> [&'static str; 6] {
+    [
+        carried(grids),
+        "correction+base_scale",
+        "correction+changes",
+        "correction+forgetting",
+        "correction+join",
+        "correction+steady_base",
+    ]
+}
+
+fn carried(grids: bool) -> &'static str {
+    if grids {
+        "correction+carried+grids"
+    } else {
+        "correction+carried"
     }
 }
 

@@ -3,9 +3,8 @@
 use tyndall_scene::{EnvironmentDistribution, EnvironmentMap, Scene};
 
 use super::geometry::{buffer, check};
-use crate::device::Device;
+use crate::engine::{Bindings, Device};
 use crate::error::RenderError;
-use crate::programs::Bindings;
 
 /// An uploaded environment map.
 #[derive(Debug)]
@@ -67,6 +66,11 @@ impl GpuEnvironment {
                 storage,
             ),
         }))
+    }
+
+    /// Whether `scene` has one.
+    pub fn is_needed(scene: &Scene) -> bool {
+        used(scene).is_some()
     }
 
     /// Whether this is the environment of `scene`.

@@ -6,9 +6,8 @@ use tyndall_scene::{Geometry, SharedGeometry};
 use wgpu::util::DeviceExt as _;
 
 use super::{TextureArrays, TextureKind, materials};
-use crate::device::Device;
+use crate::engine::{Bindings, Device, DrawCall};
 use crate::error::RenderError;
-use crate::programs::Bindings;
 
 /// One vertex: position, normal, two texture coordinates, colour.
 #[repr(C)]
@@ -22,7 +21,7 @@ struct Vertex {
 }
 
 /// Layout of the vertex buffer; locations as in the raster shaders.
-pub(crate) const VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+pub(crate) static VERTEX_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
     array_stride: size_of::<Vertex>() as u64,
     step_mode: wgpu::VertexStepMode::Vertex,
     attributes: &wgpu::vertex_attr_array![
@@ -48,6 +47,17 @@ pub(crate) struct Draw {
     pub indices: std::ops::Range<u32>,
     pub base_vertex: i32,
     pub instances: std::ops::Range<u32>,
+}
+
+impl Draw {
+    /// What a raster pass draws.
+    pub fn call(&self) -> DrawCall<'static> {
+        DrawCall::Indexed {
+            indices: self.indices.clone(),
+            base_vertex: self.base_vertex,
+            instances: self.instances.clone(),
+        }
+    }
 }
 
 /// Geometry on the device.

@@ -6,9 +6,8 @@ use tyndall_volume::{AtlasLimits, BRICK_SIDE, BrickAtlas};
 
 use super::Origin;
 use super::geometry::{buffer, check};
-use crate::device::Device;
+use crate::engine::{Bindings, Device};
 use crate::error::RenderError;
-use crate::programs::Bindings;
 
 /// Uploaded grids.
 #[derive(Debug)]
@@ -94,6 +93,11 @@ impl GpuGrids {
             sources,
             places,
         }))
+    }
+
+    /// Whether `scene` has any.
+    pub fn is_needed(scene: &Scene) -> bool {
+        !used(scene).is_empty()
     }
 
     /// Whether these are the grids of `scene`.

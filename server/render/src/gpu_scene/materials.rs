@@ -5,7 +5,7 @@ use tyndall_shaders::types::{self, NO_TEXTURE, TextureSlot};
 
 use super::TextureArrays;
 use super::geometry::buffer;
-use crate::device::Device;
+use crate::engine::Device;
 
 pub(super) fn upload(
     device: &Device,

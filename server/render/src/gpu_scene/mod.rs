@@ -3,6 +3,7 @@
 
 mod assets;
 mod bvh;
+mod camera;
 mod environment;
 mod geometry;
 mod grids;
@@ -16,15 +17,16 @@ mod values;
 pub(crate) use assets::{AssetCache, GpuAssets};
 pub(crate) use bvh::GpuBvh;
 #[cfg(feature = "probe")]
-pub(crate) use bvh::bvh_parts;
+pub(crate) use bvh::CpuBvh;
 pub(crate) use environment::GpuEnvironment;
 #[cfg(feature = "probe")]
 pub(crate) use environment::environment_values;
-pub(crate) use geometry::{Draw, DrawClass, GpuGeometry, VERTEX_LAYOUT};
+pub(crate) use geometry::{DrawClass, GpuGeometry, VERTEX_LAYOUT};
 pub(crate) use grids::GpuGrids;
 #[cfg(feature = "probe")]
-pub(crate) use inputs::frame_values;
-pub(crate) use inputs::{Inputs, SampleValues, history_view};
+pub(crate) use camera::frame_values;
+pub(crate) use camera::{SampleValues, columns, history_view, pixel_ray};
+pub(crate) use inputs::Inputs;
 #[cfg(feature = "probe")]
 pub(crate) use materials::material_values;
 pub(crate) use placement::GpuPlacement;

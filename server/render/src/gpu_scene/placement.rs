@@ -6,15 +6,15 @@
 //! development profile), keeps traversal as fast as for a still scene, and the same placement always
 //! gives the same bits. Passes that trace no rays pay nothing of it.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use tyndall_scene::SharedGeometry;
 
+use super::bvh::CpuBvh;
 use super::{GpuBvh, GpuTriangles};
-use crate::device::Device;
+use crate::engine::{Bindings, Device};
 use crate::error::RenderError;
-use crate::programs::Bindings;
 
 /// One placement of a geometry.
 #[derive(Debug)]
@@ -22,6 +22,7 @@ pub(crate) struct GpuPlacement {
     pub source: SharedGeometry,
     /// Point that BVH coordinates are relative to: the middle of the surfaces.
     pub anchor: DVec3,
+    cpu_bvh: OnceLock<Arc<CpuBvh>>,
     bvh: OnceLock<GpuBvh>,
     triangles: OnceLock<GpuTriangles>,
 }
@@ -33,15 +34,25 @@ impl GpuPlacement {
         Self {
             source: source.clone(),
             anchor: source.bounds().map_or(DVec3::ZERO, middle),
+            cpu_bvh: OnceLock::new(),
             bvh: OnceLock::new(),
             triangles: OnceLock::new(),
         }
     }
 
+    /// The BVH on the CPU, built on the first call.
+    pub fn cpu_bvh(&self) -> Result<Arc<CpuBvh>, RenderError> {
+        if let Some(known) = self.cpu_bvh.get() {
+            return Ok(Arc::clone(known));
+        }
+        let built = Arc::new(CpuBvh::build(&self.source, self.anchor)?);
+        Ok(Arc::clone(self.cpu_bvh.get_or_init(|| built)))
+    }
+
     /// Builds and uploads the BVH on the first call.
     pub fn need_bvh(&self, device: &Device) -> Result<(), RenderError> {
         if self.bvh.get().is_none() {
-            let built = GpuBvh::build(device, &self.source, self.anchor)?;
+            let built = GpuBvh::upload(device, self.cpu_bvh()?)?;
             self.bvh.get_or_init(|| built);
         }
         Ok(())
@@ -57,6 +68,11 @@ impl GpuPlacement {
             self.triangles.get_or_init(|| uploaded);
         }
         Ok(())
+    }
+
+    /// Whether the BVH is built, and with `triangles` what paths ask about them, too.
+    pub fn has(&self, triangles: bool) -> bool {
+        self.bvh.get().is_some() && (!triangles || self.triangles.get().is_some())
     }
 
     /// Emissive triangles, once they are uploaded.

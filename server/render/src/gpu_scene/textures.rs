@@ -6,7 +6,7 @@
 use tyndall_scene::{Geometry, Material, Texture, TextureRef};
 
 use super::geometry::check;
-use crate::device::Device;
+use crate::engine::Device;
 use crate::error::RenderError;
 
 /// Sides of the size classes. Larger textures are reduced to the last. Unit: texel.

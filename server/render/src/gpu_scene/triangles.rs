@@ -7,7 +7,7 @@ use tyndall_shaders::types::{Emitter, TriangleSurface};
 
 use super::bvh::{Corners, GpuBvh, corners, world_triangles};
 use super::geometry::{buffer, check};
-use crate::device::Device;
+use crate::engine::Device;
 use crate::error::RenderError;
 
 /// What a path tracer wants to know of triangles, on the device.
@@ -21,7 +21,7 @@ pub(crate) struct GpuTriangles {
 impl GpuTriangles {
     /// Uploads for the triangles of `bvh`.
     pub fn upload(device: &Device, source: &Geometry, bvh: &GpuBvh) -> Result<Self, RenderError> {
-        let (surfaces, emitters) = triangle_values(source, &bvh.order);
+        let (surfaces, emitters) = triangle_values(source, bvh.source.order());
         let limit = device.device.limits().max_storage_buffer_binding_size;
         let bytes: &[u8] = bytemuck::cast_slice(&surfaces);
         check("bytes of triangle attributes", bytes.len() as u64, limit)?;

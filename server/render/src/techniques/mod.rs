@@ -1,7 +1,72 @@
-//! Light transport, one file a technique; none imports another.
+//! Ways of making a picture: one folder each, none imports another.
+//!
+//! A technique says what it claims, what it cannot render, which passes it plans (from its own files
+//! and from `stages`) and which of its settings the benchmark measures. It is entered in [`of`], the
+//! only list of techniques there is in this crate.
 
-pub(crate) mod area_lights;
+mod claim;
 pub(crate) mod reference;
-pub(crate) mod shadow_maps;
-pub(crate) mod single_scattering;
-pub(crate) mod surfaces;
+mod rung;
+mod single_scattering;
+
+use tyndall_scene::{Scene, SceneFacts};
+
+pub use claim::{Claim, Paths};
+pub use rung::Rung;
+
+use crate::frame::{FramePlan, PlanInput, PlanLimits};
+
+/// A way of making a picture.
+pub(crate) trait Technique: Sync {
+    /// Which of the scene description's techniques it is.
+    fn key(&self) -> tyndall_scene::Technique;
+
+    /// Which paths its picture shows, and how it is biased.
+    fn claim(&self) -> Claim;
+
+    /// What of a scene it cannot render: JSON paths with a remark each.
+    fn unsupported(&self, scene: &Scene) -> Vec<String>;
+
+    /// What of a scene it renders in a simpler form.
+    fn approximations(&self, scene: &Scene) -> Vec<String>;
+
+    /// Why the device cannot run it, if so.
+    fn device_refusal(&self, facts: &SceneFacts, limits: PlanLimits) -> Option<String> {
+        let _ = (facts, limits);
+        None
+    }
+
+    /// Plans its passes, up to the mean of its samples.
+    fn plan(&self, input: &PlanInput<'_>, plan: &mut FramePlan);
+
+    /// Whether its own samples are the traced ones, so that no others correct them.
+    fn is_traced(&self) -> bool {
+        false
+    }
+
+    /// Settings that are worth measuring, cheapest first; fewer if `quick`.
+    fn ladder(&self, quick: bool) -> Vec<Rung>;
+}
+
+/// The technique that renders `key`, if there is one yet. `auto` takes the one that is measured best.
+pub(crate) fn of(key: tyndall_scene::Technique) -> Option<&'static dyn Technique> {
+    use tyndall_scene::Technique as Key;
+    match key {
+        Key::Auto | Key::SingleScattering => Some(&single_scattering::SingleScattering),
+        Key::Reference => Some(&reference::Reference),
+        Key::InstantVpl | Key::PrincipalOrdinates | Key::ScreenSpace => None,
+    }
+}
+
+/// What the picture of `technique` claims to show; nothing for those that are not rendered yet.
+pub fn claim(technique: tyndall_scene::Technique) -> Option<Claim> {
+    of(technique).map(Technique::claim)
+}
+
+/// Settings of `technique` that are worth measuring, cheapest first; none for `auto` and those that
+/// are not rendered yet.
+pub fn ladder(technique: tyndall_scene::Technique, quick: bool) -> Vec<Rung> {
+    of(technique)
+        .filter(|found| found.key() == technique)
+        .map_or_else(Vec::new, |found| found.ladder(quick))
+}

@@ -7,67 +7,62 @@
 //! depth and the spacing of the light volume, both second order; interleaving adds what is left of
 //! its window's blur, of the fourth order but at edges; half resolution what is left of a parabola
 //! between marched pixels, of the fourth order but at edges; shadow maps their resolution's. Cost: steps ×
-//! lights × media a pixel, a M²-th of it interleaved, a quarter at half resolution.
+//! lights × media a pixel, a M²-th of it interleaved, a quarter at half resolution. Planned for scenes
+//! whose media scatter the light of lights with a position or a direction, or glow.
 
-mod light_volume;
+mod gather;
+mod ladder;
+mod march;
+mod passes;
 
-pub(crate) use light_volume::LightVolume;
+use tyndall_scene::{Scene, ShadowMode};
 
-use crate::engine::Recording;
-use crate::error::RenderError;
-use crate::programs::Bindings;
-use crate::targets::Targets;
+use super::{Claim, Paths, Rung, Technique};
+use crate::frame::{FramePlan, PlanInput};
+use crate::stages::{area_lights, film, light_volume, surfaces, visibility};
 
-/// Records the march.
-pub(crate) fn record(
-    recording: &mut Recording<'_>,
-    bindings: &Bindings<'_>,
-    targets: &Targets,
-    variant: &str,
-) -> Result<(), RenderError> {
-    // Groups of the same rank fill blocks of 8 tiles a side: see `interleave.wesl`.
-    let block = 8 * recording.constants.interleave.max(1);
-    let (width, height) = marched_size(recording, targets);
-    recording.compute(
-        "single_scattering",
-        variant,
-        bindings,
-        width.next_multiple_of(block),
-        height.next_multiple_of(block),
-    )
-}
+/// The technique.
+pub(super) struct SingleScattering;
 
-/// Pixels that are marched: see `marched_grid.wesl`.
-fn marched_size(recording: &Recording<'_>, targets: &Targets) -> (u32, u32) {
-    let spacing = recording.constants.spacing.max(1);
-    (
-        targets.width.div_ceil(spacing),
-        targets.height.div_ceil(spacing),
-    )
-}
-
-/// Records the gathering of interleaved strata and the filling in of pixels that were not marched, and
-/// the march of those that neither restores with permutation `listed`.
-pub(crate) fn record_gather(
-    recording: &mut Recording<'_>,
-    bindings: &Bindings<'_>,
-    targets: &Targets,
-    listed: &str,
-) -> Result<(), RenderError> {
-    let Some(shared) = &targets.shared_march else {
-        return Ok(());
-    };
-    shared.empty_list(&mut recording.encoder);
-    if recording.constants.interleave > 1 {
-        let (width, height) = marched_size(recording, targets);
-        recording.compute("gather", "gather+rows", bindings, width, height)?;
-        recording.compute("gather", "gather+columns", bindings, width, height)?;
+impl Technique for SingleScattering {
+    fn key(&self) -> tyndall_scene::Technique {
+        tyndall_scene::Technique::SingleScattering
     }
-    let restoring = match (recording.constants.spacing > 1, listed.contains("+grids")) {
-        (false, _) => "gather+reject",
-        (true, false) => "gather+spread",
-        (true, true) => "gather+spread+grids",
-    };
-    recording.compute("gather", restoring, bindings, targets.width, targets.height)?;
-    recording.compute_indirect("rejected_pixels", listed, bindings, &shared.rejected_pixels)
+
+    fn claim(&self) -> Claim {
+        Claim {
+            paths: Paths::AtMostOneScattering,
+            bias: "shadow maps, density grids and shared strata; otherwise none with jitter",
+        }
+    }
+
+    fn unsupported(&self, scene: &Scene) -> Vec<String> {
+        let materials = &scene.geometry.materials;
+        let masked = materials.iter().any(|m| m.alpha_cutoff.is_some());
+        if masked && scene.render.shadows.mode == ShadowMode::Traced {
+            vec!["render.shadows.mode: traced, with alpha-masked materials".into()]
+        } else {
+            Vec::new()
+        }
+    }
+
+    fn approximations(&self, scene: &Scene) -> Vec<String> {
+        surfaces::approximations(scene)
+    }
+
+    fn plan(&self, input: &PlanInput<'_>, plan: &mut FramePlan) {
+        visibility::plan(plan, input);
+        surfaces::plan_gbuffer(plan, input);
+        light_volume::plan(plan, input);
+        surfaces::plan_shade(plan, input);
+        let layers = passes::plan(plan, input)
+            .into_iter()
+            .chain(area_lights::plan(plan, input));
+        let layers: Vec<_> = layers.collect();
+        film::plan(plan, film::of_technique(input), &layers);
+    }
+
+    fn ladder(&self, quick: bool) -> Vec<Rung> {
+        ladder::rungs(quick)
+    }
 }

@@ -1,0 +1,524 @@
+//! Makes the textures and buffers that the passes of a plan declare, and knows their bytes before.
+//!
+//! Resources that live for a frame share memory: within a view where one pass is done with it before
+//! another needs it, and between views of the same size, since a frame is recorded and submitted as a
+//! whole before the next one. Resources that live longer are the view's own.
+
+use std::sync::{Arc, Weak};
+
+use super::device::Device;
+use super::resources::{Access, AccessKind, Bytes, Extent, Life, ResourceSpec, Shape};
+use crate::error::RenderError;
+
+/// Memory that pictures may take on the device. Unit: byte.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MemoryBudget {
+    /// What the passes of one view may keep and exchange.
+    pub per_view: u64,
+    /// Everything that is allocated on the device, geometry and grids included.
+    pub in_all: u64,
+}
+
+impl Default for MemoryBudget {
+    /// 4 GiB a view, 16 GiB in all.
+    fn default() -> Self {
+        Self {
+            per_view: 4 << 30,
+            in_all: 16 << 30,
+        }
+    }
+}
+
+/// Memory that views share, and how much of it there may be.
+#[derive(Debug, Default)]
+pub(crate) struct Pool {
+    pub budget: MemoryBudget,
+    /// What lives for a frame: the first of a kind, the second, and so on.
+    shared: Vec<(Kind, u32, Weak<Memory>)>,
+}
+
+/// Everything that two allocations must agree on to take each other's place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Texture {
+        size: wgpu::Extent3d,
+        format: wgpu::TextureFormat,
+        mips: u32,
+        usage: wgpu::TextureUsages,
+    },
+    Buffer {
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+    },
+}
+
+/// An allocation.
+#[derive(Debug)]
+enum Memory {
+    Texture {
+        whole: wgpu::TextureView,
+        /// One a level.
+        levels: Vec<wgpu::TextureView>,
+    },
+    Buffer(wgpu::Buffer),
+}
+
+/// What the passes of one view keep and exchange.
+#[derive(Debug)]
+pub(crate) struct ViewResources {
+    pub size: [u32; 2],
+    entries: Vec<Entry>,
+    bytes: u64,
+}
+
+#[derive(Debug)]
+struct Entry {
+    name: &'static str,
+    previous: Option<&'static str>,
+    life: Life,
+    kind: Kind,
+    memory: Arc<Memory>,
+    /// Takes turns with `memory` where there is a previous state.
+    other: Option<Arc<Memory>>,
+}
+
+/// A resource of a plan: its kind, and the first and last pass that name it.
+#[derive(Debug, Clone, Copy)]
+struct Wanted {
+    spec: ResourceSpec,
+    kind: Kind,
+    first: usize,
+    last: usize,
+    /// Which of the allocations of its kind, where it lives for a frame.
+    slot: u32,
+}
+
+impl Pool {
+    /// Makes what `passes` name, in the order in which they run, for a picture of this size. What
+    /// `before` holds of the same kind is kept with what is in it.
+    pub fn fit(
+        &mut self,
+        device: &Device,
+        passes: &[&[Access]],
+        size: [u32; 2],
+        before: Option<&ViewResources>,
+    ) -> Result<ViewResources, RenderError> {
+        check_size(device, size)?;
+        let mut wanted = wanted(passes, size);
+        let bytes = share_slots(&mut wanted);
+        if bytes > self.budget.per_view {
+            return Err(RenderError::Memory {
+                needed: bytes,
+                allowed: self.budget.per_view,
+            });
+        }
+        let limit = device.device.limits().max_storage_buffer_binding_size;
+        for wanted in &wanted {
+            if let Kind::Buffer { bytes, .. } = wanted.kind
+                && bytes > limit
+            {
+                return Err(RenderError::TooLarge {
+                    what: "bytes of one buffer of the picture",
+                    needed: bytes,
+                    allowed: limit,
+                });
+            }
+        }
+        self.shared.retain(|(_, _, memory)| memory.strong_count() > 0);
+        self.check_all(device, &wanted, before)?;
+        let mut entries: Vec<Entry> = Vec::with_capacity(wanted.len());
+        for wanted in wanted {
+            entries.push(self.entry(device, wanted, before));
+        }
+        device.check()?;
+        Ok(ViewResources {
+            size,
+            entries,
+            bytes,
+        })
+    }
+
+    /// Refuses what would not fit beside all that is allocated.
+    fn check_all(
+        &self,
+        device: &Device,
+        wanted: &[Wanted],
+        before: Option<&ViewResources>,
+    ) -> Result<(), RenderError> {
+        let mut counted: Vec<(Kind, u32)> = Vec::new();
+        let mut new_bytes = 0;
+        for wanted in wanted {
+            let there = match wanted.spec.life {
+                Life::View => before.is_some_and(|before| before.kept(wanted).is_some()),
+                Life::Frame => {
+                    let slot = (wanted.kind, wanted.slot);
+                    let known = counted.contains(&slot);
+                    counted.push(slot);
+                    known || self.shared(wanted).is_some()
+                }
+            };
+            if !there {
+                new_bytes += wanted.bytes();
+            }
+        }
+        if new_bytes == 0 {
+            return Ok(());
+        }
+        let needed = device.allocated_bytes().unwrap_or(0) + new_bytes;
+        if needed > self.budget.in_all {
+            return Err(RenderError::Memory {
+                needed,
+                allowed: self.budget.in_all,
+            });
+        }
+        Ok(())
+    }
+
+    fn shared(&self, wanted: &Wanted) -> Option<Arc<Memory>> {
+        self.shared
+            .iter()
+            .find(|(kind, slot, _)| (*kind, *slot) == (wanted.kind, wanted.slot))
+            .and_then(|(_, _, memory)| memory.upgrade())
+    }
+
+    fn entry(
+        &mut self,
+        device: &Device,
+        wanted: Wanted,
+        before: Option<&ViewResources>,
+    ) -> Entry {
+        let Wanted { spec, kind, .. } = wanted;
+        let make = || Arc::new(kind.make(device, spec.name));
+        let (memory, other) = match spec.life {
+            Life::View => match before.and_then(|before| before.kept(&wanted)) {
+                Some(entry) => (Arc::clone(&entry.memory), entry.other.clone()),
+                None => (make(), spec.previous.map(|_| make())),
+            },
+            Life::Frame => {
+                let memory = self.shared(&wanted).unwrap_or_else(|| {
+                    let memory = make();
+                    let slot = (kind, wanted.slot, Arc::downgrade(&memory));
+                    self.shared.push(slot);
+                    memory
+                });
+                (memory, None)
+            }
+        };
+        Entry {
+            name: spec.name,
+            previous: spec.previous,
+            life: spec.life,
+            kind,
+            memory,
+            other,
+        }
+    }
+}
+
+/// Refuses pictures that no pass could write.
+fn check_size(device: &Device, [width, height]: [u32; 2]) -> Result<(), RenderError> {
+    let limits = device.device.limits();
+    let max_side = limits.max_texture_dimension_2d;
+    // Every plan has a film of 16 bytes a pixel.
+    let max_pixels = limits.max_storage_buffer_binding_size / 16;
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels == 0 || pixels > max_pixels || width.max(height) > max_side {
+        return Err(RenderError::Size {
+            width,
+            height,
+            max_pixels,
+            max_side,
+        });
+    }
+    Ok(())
+}
+
+/// Every resource that some pass names, with all the uses that passes make of it.
+fn wanted(passes: &[&[Access]], size: [u32; 2]) -> Vec<Wanted> {
+    let mut found: Vec<Wanted> = Vec::new();
+    for (index, accesses) in passes.iter().enumerate() {
+        for access in *accesses {
+            let spec = access.resource;
+            let kind = kind_of(&spec, access.kind, size);
+            match found.iter_mut().find(|w| w.spec.name == spec.name) {
+                Some(known) => {
+                    known.kind = known.kind.joined(kind);
+                    known.last = index;
+                }
+                None => found.push(Wanted {
+                    spec,
+                    kind,
+                    first: index,
+                    last: index,
+                    slot: 0,
+                }),
+            }
+        }
+    }
+    found
+}
+
+/// Gives resources that live for a frame the first allocation of their kind that no other holds at the
+/// same time; returns the bytes of all.
+fn share_slots(wanted: &mut [Wanted]) -> u64 {
+    let mut bytes = 0;
+    // Kind, slot, last pass that needs it.
+    let mut taken: Vec<(Kind, u32, usize)> = Vec::new();
+    for i in 0..wanted.len() {
+        let Wanted {
+            spec,
+            kind,
+            first,
+            last,
+            ..
+        } = wanted[i];
+        if spec.life == Life::View {
+            bytes += wanted[i].bytes();
+            continue;
+        }
+        let same = taken.iter_mut().filter(|(known, ..)| *known == kind);
+        let mut count = 0;
+        let mut free = None;
+        for entry in same {
+            count += 1;
+            if entry.2 < first && free.is_none() {
+                entry.2 = last;
+                free = Some(entry.1);
+            }
+        }
+        wanted[i].slot = free.unwrap_or_else(|| {
+            taken.push((kind, count, last));
+            bytes += kind.bytes();
+            count
+        });
+    }
+    bytes
+}
+
+fn kind_of(spec: &ResourceSpec, access: AccessKind, size: [u32; 2]) -> Kind {
+    match spec.shape {
+        Shape::Texture {
+            format,
+            extent,
+            mips,
+        } => {
+            let size = extent.of(size);
+            let dimension = dimension(extent);
+            Kind::Texture {
+                size,
+                format,
+                mips: if mips == 0 {
+                    size.max_mips(dimension)
+                } else {
+                    mips.min(size.max_mips(dimension))
+                },
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | match access {
+                        AccessKind::Write => wgpu::TextureUsages::STORAGE_BINDING,
+                        AccessKind::Attachment => wgpu::TextureUsages::RENDER_ATTACHMENT,
+                        AccessKind::Read | AccessKind::ReadWhenWritten | AccessKind::Counts => {
+                            wgpu::TextureUsages::empty()
+                        }
+                    },
+            }
+        }
+        Shape::Buffer(bytes) => Kind::Buffer {
+            bytes: Bytes::of(bytes, size),
+            usage: wgpu::BufferUsages::STORAGE
+                | wgpu::BufferUsages::COPY_SRC
+                | wgpu::BufferUsages::COPY_DST
+                | if access == AccessKind::Counts {
+                    wgpu::BufferUsages::INDIRECT
+                } else {
+                    wgpu::BufferUsages::empty()
+                },
+        },
+    }
+}
+
+fn dimension(extent: Extent) -> wgpu::TextureDimension {
+    match extent {
+        Extent::Picture { .. } => wgpu::TextureDimension::D2,
+        Extent::Volume(_) => wgpu::TextureDimension::D3,
+    }
+}
+
+impl Wanted {
+    fn bytes(&self) -> u64 {
+        let copies = if self.spec.previous.is_some() { 2 } else { 1 };
+        copies * self.kind.bytes()
+    }
+}
+
+impl Kind {
+    /// For the uses of both.
+    fn joined(self, other: Self) -> Self {
+        match (self, other) {
+            (
+                Self::Texture {
+                    size,
+                    format,
+                    mips,
+                    usage,
+                },
+                Self::Texture { usage: more, .. },
+            ) => Self::Texture {
+                size,
+                format,
+                mips,
+                usage: usage | more,
+            },
+            (Self::Buffer { bytes, usage }, Self::Buffer { usage: more, .. }) => Self::Buffer {
+                bytes,
+                usage: usage | more,
+            },
+            // One name has one shape.
+            (own, _) => own,
+        }
+    }
+
+    fn bytes(self) -> u64 {
+        match self {
+            Self::Buffer { bytes, .. } => bytes,
+            Self::Texture {
+                size, format, mips, ..
+            } => {
+                let texel = u64::from(format.block_copy_size(None).unwrap_or(4));
+                let is_volume = size.depth_or_array_layers > 1;
+                let level = |mip: u32| {
+                    let side = |length: u32| u64::from((length >> mip).max(1));
+                    let depth = if is_volume {
+                        side(size.depth_or_array_layers)
+                    } else {
+                        1
+                    };
+                    side(size.width) * side(size.height) * depth * texel
+                };
+                (0..mips).map(level).sum()
+            }
+        }
+    }
+
+    fn make(self, device: &Device, name: &'static str) -> Memory {
+        match self {
+            Self::Buffer { bytes, usage } => Memory::Buffer(device.device.create_buffer(
+                &wgpu::BufferDescriptor {
+                    label: Some(name),
+                    size: bytes,
+                    usage,
+                    mapped_at_creation: false,
+                },
+            )),
+            Self::Texture {
+                size,
+                format,
+                mips,
+                usage,
+            } => {
+                let texture = device.device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some(name),
+                    size,
+                    mip_level_count: mips,
+                    sample_count: 1,
+                    dimension: if size.depth_or_array_layers > 1 {
+                        wgpu::TextureDimension::D3
+                    } else {
+                        wgpu::TextureDimension::D2
+                    },
+                    format,
+                    usage,
+                    view_formats: &[],
+                });
+                let level = |mip: u32| {
+                    texture.create_view(&wgpu::TextureViewDescriptor {
+                        base_mip_level: mip,
+                        mip_level_count: Some(1),
+                        ..Default::default()
+                    })
+                };
+                Memory::Texture {
+                    whole: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+                    levels: (0..mips).map(level).collect(),
+                }
+            }
+        }
+    }
+}
+
+impl ViewResources {
+    /// Bytes that the view needs, those that it shares with others included.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// The entry of a resource that lives from frame to frame and is of the same kind.
+    fn kept(&self, wanted: &Wanted) -> Option<&Entry> {
+        self.entries.iter().find(|entry| {
+            entry.name == wanted.spec.name
+                && entry.life == Life::View
+                && entry.kind == wanted.kind
+                && entry.previous == wanted.spec.previous
+        })
+    }
+
+    fn memory(&self, name: &str) -> Option<&Memory> {
+        self.entries.iter().find_map(|entry| {
+            if entry.name == name {
+                Some(entry.memory.as_ref())
+            } else if entry.previous == Some(name) {
+                entry.other.as_deref()
+            } else {
+                None
+            }
+        })
+    }
+
+    /// The buffer called `name`, or of which that is the previous state.
+    pub fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
+        match self.memory(name)? {
+            Memory::Buffer(buffer) => Some(buffer),
+            Memory::Texture { .. } => None,
+        }
+    }
+
+    /// All levels of the texture called `name`.
+    pub fn texture(&self, name: &str) -> Option<&wgpu::TextureView> {
+        match self.memory(name)? {
+            Memory::Texture { whole, .. } => Some(whole),
+            Memory::Buffer(_) => None,
+        }
+    }
+
+    /// One level of the texture called `name`.
+    pub fn level(&self, name: &str, level: usize) -> Option<&wgpu::TextureView> {
+        match self.memory(name)? {
+            Memory::Texture { levels, .. } => levels.get(level),
+            Memory::Buffer(_) => None,
+        }
+    }
+
+    /// Whether both have the same resources.
+    pub fn same_as(&self, other: &Self) -> bool {
+        let said = |entry: &Entry| (entry.name, entry.kind, entry.life, entry.previous);
+        self.size == other.size
+            && self
+                .entries
+                .iter()
+                .map(said)
+                .eq(other.entries.iter().map(said))
+    }
+
+    /// Whether anything of the last picture is kept.
+    pub fn has_previous(&self) -> bool {
+        self.entries.iter().any(|entry| entry.other.is_some())
+    }
+
+    /// Makes what every resource with a previous state holds that state.
+    pub fn swap(&mut self) {
+        for entry in &mut self.entries {
+            if let Some(other) = &mut entry.other {
+                std::mem::swap(&mut entry.memory, other);
+            }
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Plans the march, and the gathering of what pixels share of it.
+
+use tyndall_shaders::types::MarchSettings;
+
+use super::gather::{self, Gather};
+use super::march::March;
+use crate::engine::{Bytes, Permutation, ResourceSpec};
+use crate::frame::{Dispatch, FramePlan, NewPass, PassId, PlanInput, Programs, Reach};
+use crate::stages::film::Layer;
+use crate::stages::surfaces::depth;
+
+/// Light scattered once in the media.
+pub(super) const MARCH: PassId = PassId("single_scattering");
+
+/// Radiance (W·m⁻²·sr⁻¹), whole; alpha as in `low_resolution/march_end.wesl`.
+pub(super) const IN_SCATTER: ResourceSpec =
+    ResourceSpec::texture("in_scattered_radiance", wgpu::TextureFormat::Rgba32Float);
+
+/// The march's settings on the device.
+pub(super) const SETTINGS: ResourceSpec = ResourceSpec::buffer(
+    "march_settings",
+    Bytes::Fixed(size_of::<MarchSettings>() as u64),
+)
+.kept();
+
+/// Plans what there is to march; what it adds to the film, if anything.
+pub(super) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer> {
+    if let Some(reason) = nothing_to_march(input) {
+        plan.skip(MARCH, "", reason);
+        plan.skip(gather::PASS, "", "nothing is marched");
+        return None;
+    }
+    let facts = input.facts;
+    if !facts.anisotropic {
+        plan.skip(MARCH, "phase function", "g = 0 everywhere: 1/4π");
+    }
+    if !facts.medium_emits {
+        plan.skip(MARCH, "emission", "no medium emits");
+    }
+    let march = March::of(input);
+    let features = |permutation: Permutation| {
+        input
+            .visibility_feature()
+            .into_iter()
+            .fold(permutation, |p, feature| p.with(feature))
+            .with_if(facts.grids > 0, "grids")
+    };
+    let whole = features(Permutation::of("single_scattering"));
+    let shared = gather::Shared::of(march);
+    let marched = shared.map_or(IN_SCATTER, |shared| shared.marched());
+    plan.run(
+        NewPass::new(
+            MARCH,
+            Programs::One(whole),
+            Dispatch(Reach::Blocks {
+                side: march.spacing,
+                // Groups of the same rank fill blocks of 8 tiles a side: see `interleave.wesl`.
+                multiple: 8 * march.interleave,
+            }),
+        )
+        .constants(march.constants())
+        .sorts_lights(march.culls)
+        .values(
+            SETTINGS,
+            &MarchSettings {
+                steps: march.steps,
+                jitter: input.settings.single_scattering.jitter.into(),
+            },
+        )
+        .accesses([
+            depth(facts).read(),
+            marched.written_as("marched_radiance"),
+        ]),
+        march.reason(input),
+    );
+    if let Some(shared) = shared {
+        let listed = features(Permutation::of("single_scattering").with("list"));
+        let restoring = Permutation::of("gather")
+            .with(if march.spacing > 1 { "spread" } else { "reject" })
+            .with_if(march.spacing > 1 && facts.grids > 0, "grids");
+        plan.run(
+            NewPass::new(
+                gather::PASS,
+                Programs::One(listed),
+                Gather {
+                    shared,
+                    restoring,
+                },
+            )
+            .constants(march.constants())
+            .values(gather::EMPTY, &gather::EMPTY_LIST)
+            .accesses(shared.accesses())
+            .accesses([
+                depth(facts).read(),
+                SETTINGS.read(),
+                IN_SCATTER.written_as("in_scattered_radiance_written"),
+            ]),
+            march.sharing(),
+        );
+    } else {
+        plan.skip(gather::PASS, "", "every pixel takes all strata");
+    }
+    Some(("in_scatter", IN_SCATTER.read()))
+}
+
+fn nothing_to_march(input: &PlanInput<'_>) -> Option<&'static str> {
+    let facts = input.facts;
+    if facts.media == 0 {
+        Some("no media")
+    } else if !facts.scatters && !facts.medium_emits {
+        Some("no medium scatters or emits: transmittance only")
+    } else if input.lights() == 0 && !facts.medium_emits {
+        Some("no light to scatter")
+    } else {
+        None
+    }
+}

@@ -1,0 +1,170 @@
+//! A scene's state on the device, as one view shows it.
+//!
+//! Another state is made beside the one in use and takes over what still holds of it; what fails leaves
+//! the old one as it was.
+
+use std::sync::Arc;
+
+use tyndall_scene::{ChangeSet, Light, Medium, MediumShape, Scene, SceneFacts, ShadowMode};
+
+use crate::engine::{Access, Constants, Device, Pool, ViewResources};
+use crate::error::RenderError;
+use crate::frame::{FramePlan, KeptKind, KeptStates, PlanLimits, Preparation, Traces};
+use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
+use crate::plan::plan;
+use crate::stages::shadow_maps::{self, ShadowMaps};
+use crate::techniques::reference::paths;
+
+/// A scene's state on the device.
+#[derive(Debug)]
+pub(crate) struct SceneState {
+    pub scene: Arc<Scene>,
+    pub facts: SceneFacts,
+    pub plan: FramePlan,
+    pub assets: GpuAssets,
+    pub inputs: Inputs,
+    pub resources: ViewResources,
+    pub kept: KeptStates,
+    /// What pipelines are built for that follows from the scene.
+    pub constants: Constants,
+}
+
+/// What a state is made with.
+pub(crate) struct Maker<'a> {
+    pub device: &'a Device,
+    pub pool: &'a mut Pool,
+    pub limits: PlanLimits,
+    /// Width and height of the picture. Unit: pixel.
+    pub size: [u32; 2],
+}
+
+impl Maker<'_> {
+    /// The state of `scene`, whose shared parts on the device are `assets`. It differs from `before` by
+    /// `changed`; size and limits may differ, too.
+    pub fn state(
+        &mut self,
+        scene: Arc<Scene>,
+        assets: GpuAssets,
+        before: Option<&SceneState>,
+        changed: ChangeSet,
+    ) -> Result<SceneState, RenderError> {
+        let device = self.device;
+        let facts = tyndall_scene::facts(&scene);
+        let plan = plan(&facts, &scene.render, &self.limits)?;
+        need_geometry(device, &assets.placement, &plan)?;
+        let accesses: Vec<&[Access]> = plan.passes.iter().map(|p| p.accesses.as_slice()).collect();
+        // What was kept at another size is of no use.
+        let same_size = before.filter(|before| before.resources.size == self.size);
+        let earlier = same_size.map(|before| &before.resources);
+        let resources = self.pool.fit(device, &accesses, self.size, earlier)?;
+        let kinds: Vec<KeptKind> = plan.passes.iter().flat_map(|p| p.keeps.clone()).collect();
+        let preparation = Preparation {
+            device,
+            scene: &scene,
+            facts: &facts,
+            size: self.size,
+            before: before.map(|before| before.scene.as_ref()),
+            changed,
+        };
+        let nothing = KeptStates::default();
+        let kept = before
+            .map_or(&nothing, |before| &before.kept)
+            .next(&kinds, &preparation)?;
+        let inputs = before
+            .filter(|before| {
+                !changed.contains(ChangeSet::SURFACES) && before.inputs.fits(&scene)
+            })
+            .map_or_else(
+                || Inputs::new(device, &scene),
+                |before| before.inputs.clone(),
+            );
+        Ok(SceneState {
+            constants: constants(&scene, &facts, &assets),
+            scene,
+            facts,
+            plan,
+            assets,
+            inputs,
+            resources,
+            kept,
+        })
+    }
+}
+
+impl SceneState {
+    /// Uploads what `changed`, and what the plan says that small buffers hold.
+    pub fn upload(&self, device: &Device, changed: ChangeSet) {
+        if !changed.restarts() {
+            return;
+        }
+        let sorted = self.plan.passes.iter().any(|pass| pass.sorts_lights);
+        let mode = self.shadow_mode();
+        let maps = self.kept.get::<ShadowMaps>();
+        // A traced shadow needs no map: any view number says that the light casts shadows.
+        let shadow_of = |i: usize, light: &Light| match mode {
+            ShadowMode::Mapped => maps.and_then(|maps| maps.of_light(i)),
+            ShadowMode::Traced => light.casts_shadows().then_some((0, 0.0)),
+            ShadowMode::Off => None,
+        };
+        self.inputs.upload_scene(
+            device,
+            &self.scene,
+            &self.assets,
+            &shadow_of,
+            sorted,
+            changed,
+        );
+        self.kept.upload(device, &self.scene);
+        for (resource, bytes) in self.plan.passes.iter().flat_map(|pass| &pass.values) {
+            if let Some(buffer) = self.resources.buffer(resource.name) {
+                device.queue.write_buffer(buffer, 0, bytes);
+            }
+        }
+    }
+
+    /// How visibility toward lights is found at present.
+    pub fn shadow_mode(&self) -> ShadowMode {
+        if self.plan.runs(shadow_maps::PASS) {
+            ShadowMode::Mapped
+        } else if self.plan.visibility == Some(ShadowMode::Traced) || self.plan.runs(paths::PASS) {
+            ShadowMode::Traced
+        } else {
+            ShadowMode::Off
+        }
+    }
+}
+
+/// Builds what the passes of the plan ask rays about.
+pub(crate) fn need_geometry(
+    device: &Device,
+    placement: &GpuPlacement,
+    plan: &FramePlan,
+) -> Result<(), RenderError> {
+    match plan.passes.iter().map(|pass| pass.traces).max() {
+        Some(Traces::Triangles) => placement.need_triangles(device),
+        Some(Traces::Rays) => placement.need_bvh(device),
+        Some(Traces::Nothing) | None => Ok(()),
+    }
+}
+
+/// What pipelines are built for that follows from the scene.
+pub(crate) fn constants(scene: &Scene, facts: &SceneFacts, assets: &GpuAssets) -> Constants {
+    let emitter_count = assets.placement.emitter_count();
+    let chromatic = |medium: &Medium| {
+        let grey = |rgb: [f32; 3]| rgb == [rgb[0]; 3];
+        let sigma_t: [f32; 3] = std::array::from_fn(|c| medium.sigma_s[c] + medium.sigma_a[c]);
+        !grey(sigma_t)
+    };
+    let in_grid = |medium: &Medium| matches!(medium.shape, MediumShape::Grid { .. });
+    let chromatic_grids = scene.media.iter().any(|m| chromatic(m) && in_grid(m));
+    Constants::default()
+        .number("MEDIUM_COUNT", scene.media.len() as u32)
+        .number("LIGHT_COUNT", scene.lights.len() as u32)
+        .number("EMITTER_COUNT", emitter_count)
+        .flag("CHROMATIC", scene.media.iter().any(chromatic))
+        .flag("CHROMATIC_GRIDS", chromatic_grids)
+        .flag("FINDS_LIGHT", emitter_count > 0 || facts.environment)
+        .flag("GLOWS", facts.medium_emits)
+        .flag("ISOTROPIC", !facts.anisotropic)
+        .flag("SKY", facts.environment)
+}
