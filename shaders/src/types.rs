@@ -103,6 +103,12 @@ mirrors! {
         padding: u32,
     }
 
+    /// The part of a pass that one dispatch does.
+    struct Band {
+        first: [u32; 3],
+        padding: u32,
+    }
+
     /// How camera rays are marched.
     struct MarchSettings {
         steps: u32,

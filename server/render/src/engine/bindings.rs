@@ -1,7 +1,7 @@
 //! Resources by the name of the shader's variable.
 
 /// What may be bound to a shader; each takes those it declares.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Bindings<'a> {
     entries: Vec<(&'static str, wgpu::BindingResource<'a>)>,
 }

@@ -2,6 +2,9 @@
 
 use std::sync::{Arc, Mutex};
 
+use tyndall_shaders::types::Band;
+use wgpu::util::DeviceExt as _;
+
 use super::adapter::AdapterSummary;
 use crate::error::RenderError;
 
@@ -19,6 +22,8 @@ pub struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(super) self_test: SelfTest,
+    /// Says that a dispatch begins at the first workgroup of its pass.
+    first_band: wgpu::Buffer,
     summary: AdapterSummary,
     fault: Arc<Mutex<Option<Fault>>>,
 }
@@ -46,9 +51,11 @@ impl Device {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             note(&refused, Fault::Refused(error.to_string()));
         }));
+        let first_band = band_buffer(&device, [0; 3]);
         Self {
             device,
             queue,
+            first_band,
             summary,
             self_test: SelfTest::default(),
             fault,
@@ -63,6 +70,15 @@ impl Device {
     /// What the start-up self-test found.
     pub fn self_test(&self) -> SelfTest {
         self.self_test
+    }
+
+    /// Says at which workgroup of its pass a dispatch begins.
+    pub(super) fn band(&self, first: [u32; 3]) -> wgpu::Buffer {
+        if first == [0; 3] {
+            self.first_band.clone()
+        } else {
+            band_buffer(&self.device, first)
+        }
     }
 
     /// Memory allocated on the device, by its allocator's own report, if it makes one. Unit: byte.
@@ -87,6 +103,15 @@ impl Device {
             }
         }
     }
+}
+
+fn band_buffer(device: &wgpu::Device, first: [u32; 3]) -> wgpu::Buffer {
+    let band = Band { first, padding: 0 };
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("band"),
+        contents: bytemuck::bytes_of(&band),
+        usage: wgpu::BufferUsages::STORAGE,
+    })
 }
 
 fn note(slot: &Mutex<Option<Fault>>, fault: Fault) {

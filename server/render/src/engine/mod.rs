@@ -2,10 +2,12 @@
 //!
 //! Knows nothing of scenes and techniques. Files lower in this list use those above: `device`;
 //! `adapter` (choosing one); `bindings`, `constants`, `permutation` (what a shader is given);
-//! `pipelines`; `resources` and `pool` (textures and buffers that passes declare); `timing`;
+//! `pipelines`; `bands` (cutting long
+//! dispatches); `resources` and `pool` (textures and buffers that passes declare); `timing`;
 //! `recording`, which alone submits; `readback`; `self_test`; `open`.
 
 mod adapter;
+mod bands;
 mod bindings;
 mod constants;
 mod device;
@@ -21,6 +23,7 @@ mod self_test;
 mod timing;
 
 pub use adapter::{AdapterKind, AdapterSummary, DeviceOptions};
+pub(crate) use bands::most_frame_iterations;
 pub(crate) use bindings::Bindings;
 pub(crate) use constants::Constants;
 pub use device::{Device, SelfTest};

@@ -269,6 +269,11 @@ impl ComputeProgram {
         }
     }
 
+    /// Invocations of one workgroup.
+    pub fn invocations(&self) -> u32 {
+        self.shader.workgroup_size().iter().product()
+    }
+
     /// Workgroups that cover so many invocations along each axis.
     pub fn groups(&self, size: [u32; 3]) -> [u32; 3] {
         let side = self.shader.workgroup_size();

@@ -1,5 +1,6 @@
 //! The one place that records and submits commands.
 
+use super::bands::{most_groups, parts};
 use super::bindings::Bindings;
 use super::constants::Constants;
 use super::device::Device;
@@ -7,6 +8,9 @@ use super::pipelines::Pipelines;
 use super::raster::{Attachment, DrawCall, RasterPass};
 use super::timing::{FrameTiming, Timing};
 use crate::error::RenderError;
+
+/// Of a picture's pixels seldom more than one in so many is listed.
+const MOST_LISTED: u64 = 4;
 
 /// A frame being recorded.
 pub(crate) struct Recording<'a> {
@@ -76,6 +80,59 @@ impl<'a> Recording<'a> {
             Size::Indirect(counts) => pass.dispatch_workgroups_indirect(counts, 0),
         }
         Ok(())
+    }
+
+    /// Dispatches permutation `program`, whose invocations loop up to `iterations` times each, in as many
+    /// parts as keep each of them short. The shader finds its part by `engine/band.wesl`.
+    pub fn compute_in_parts(
+        &mut self,
+        name: &'static str,
+        program: &str,
+        constants: &Constants,
+        bindings: &Bindings<'_>,
+        (size, iterations): ([u32; 3], u64),
+    ) -> Result<(), RenderError> {
+        let program = self.pipelines.compute(self.device, program, constants)?;
+        let kind = self.device.summary().kind;
+        let most = most_groups(kind, program.invocations(), iterations);
+        let mut dispatches = Vec::new();
+        for part in parts(program.groups(size), most) {
+            let band = self.device.band(part.first);
+            let mut bindings = bindings.clone();
+            bindings.buffer("band", &band);
+            dispatches.push((program.bind(self.device, &bindings)?, part.count));
+        }
+        let mut pass = self.compute_pass(name);
+        for (groups, [x, y, z]) in &dispatches {
+            program.set(&mut pass, groups);
+            pass.dispatch_workgroups(*x, *y, *z);
+        }
+        Ok(())
+    }
+
+    /// Dispatches permutation `program` over a list of up to `most` entries, of which `list` says how many
+    /// groups there are: in one indirect dispatch where that cannot take long, otherwise in parts over all
+    /// that there may be, whose invocations beyond the list end at once.
+    pub fn compute_listed(
+        &mut self,
+        name: &'static str,
+        program: &str,
+        constants: &Constants,
+        bindings: &Bindings<'_>,
+        (list, most, iterations): (&wgpu::Buffer, u32, u64),
+    ) -> Result<(), RenderError> {
+        let built = self.pipelines.compute(self.device, program, constants)?;
+        let kind = self.device.summary().kind;
+        let [groups, ..] = built.groups([most, 1, 1]);
+        let usual = most_groups(kind, built.invocations(), iterations / MOST_LISTED);
+        if groups <= usual {
+            let band = self.device.band([0; 3]);
+            let mut bindings = bindings.clone();
+            bindings.buffer("band", &band);
+            return self.compute(name, program, constants, &bindings, Size::Indirect(list));
+        }
+        let long = ([most, 1, 1], iterations);
+        self.compute_in_parts(name, program, constants, bindings, long)
     }
 
     /// Dispatches several permutations one after the other in one pass.

@@ -31,6 +31,19 @@ impl PlanInput<'_> {
         facts.point_lights + facts.spot_lights + facts.directional_lights
     }
 
+    /// Loop iterations that the light of all lights at one point takes at most: their optical depths
+    /// through all media, and shadow rays, which visit tens of nodes; the bound leaves room for hundreds.
+    pub fn iterations_a_point(&self) -> u64 {
+        let ray = if self.settings.shadows.mode == ShadowMode::Traced {
+            400
+        } else {
+            0
+        };
+        let media = self.facts.media.max(1) as u64;
+        let grids = self.facts.grids as u64 * u64::from(self.facts.voxels_across);
+        1 + 2 * media + grids + self.lights().max(1) as u64 * (1 + 3 * media + ray)
+    }
+
     /// Whether traced samples correct the picture.
     pub fn is_corrected(&self) -> bool {
         self.uncorrected.is_none()

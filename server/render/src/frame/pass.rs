@@ -86,13 +86,17 @@ impl Pass for Dispatch {
         recording: &mut Recording<'_>,
         parts: &Parts<'_>,
     ) -> Result<(), RenderError> {
-        recording.compute(
-            planned.pass.name(),
-            planned.program(),
-            &parts.constants_of(planned),
-            &parts.bindings(planned)?,
-            Size::from(self.0.of(parts.size())),
-        )
+        let name = planned.pass.name();
+        let constants = parts.constants_of(planned);
+        let bindings = parts.bindings(planned)?;
+        let [width, height] = self.0.of(parts.size());
+        if planned.iterations > 0 {
+            let long = ([width, height, 1], planned.iterations);
+            recording.compute_in_parts(name, planned.program(), &constants, &bindings, long)
+        } else {
+            let size = Size::from([width, height]);
+            recording.compute(name, planned.program(), &constants, &bindings, size)
+        }
     }
 }
 

@@ -41,6 +41,10 @@ pub struct PlannedPass {
     pub(crate) sorts_lights: bool,
     /// What it asks rays about.
     pub(crate) traces: Traces,
+    /// Loop iterations of an invocation at most, where they may be many.
+    pub(crate) iterations: u64,
+    /// Whether only some pixels take so many.
+    pub(crate) lists: bool,
     /// What it keeps from frame to frame.
     pub(crate) keeps: Vec<KeptKind>,
     pub(crate) recorder: Arc<dyn Pass>,
@@ -102,6 +106,8 @@ pub(crate) struct NewPass {
     pub values: Vec<(ResourceSpec, Vec<u8>)>,
     pub sorts_lights: bool,
     pub traces: Traces,
+    pub iterations: u64,
+    pub lists: bool,
     pub keeps: Vec<KeptKind>,
     pub recorder: Arc<dyn Pass>,
 }
@@ -118,6 +124,8 @@ impl NewPass {
             values: Vec::new(),
             sorts_lights: false,
             traces: Traces::Nothing,
+            iterations: 0,
+            lists: false,
             keeps: Vec::new(),
             recorder: Arc::new(recorder),
         }
@@ -155,6 +163,19 @@ impl NewPass {
         self
     }
 
+    /// Loops up to so many times an invocation: a plain [`Dispatch`](super::Dispatch) is then cut into
+    /// parts.
+    pub fn iterations(mut self, most: u64) -> Self {
+        self.iterations = most;
+        self
+    }
+
+    /// Loops so often for some pixels only.
+    pub fn listed_iterations(mut self, most: u64) -> Self {
+        self.lists = true;
+        self.iterations(most)
+    }
+
     /// Wants the lights that may add most first in their buffer, if `sorts`.
     pub fn sorts_lights(mut self, sorts: bool) -> Self {
         self.sorts_lights = sorts;
@@ -181,6 +202,8 @@ impl FramePlan {
             values: new.values,
             sorts_lights: new.sorts_lights,
             traces: new.traces,
+            iterations: new.iterations,
+            lists: new.lists,
             keeps: new.keeps,
             recorder: new.recorder,
         });
@@ -214,6 +237,11 @@ impl PlannedPass {
             Programs::One(permutation) => permutation.name(),
             Programs::Several(permutation) => permutation.features(),
         }
+    }
+
+    /// Loop iterations for each pixel, of a pass over the whole picture.
+    pub(crate) fn whole_picture(&self) -> u64 {
+        if self.lists { 0 } else { self.iterations }
     }
 
     fn values_said(&self) -> impl Iterator<Item = (&'static str, &[u8])> + Clone {

@@ -26,7 +26,7 @@ const AREA_RADIANCE: ResourceSpec =
 /// Points of a ray, of each kind, at which area lights are looked at.
 const AREA_STRATA: u32 = 8;
 /// Directions toward emitters that a shadow ray is the best of.
-const CANDIDATES: u32 = 4;
+const CANDIDATES: u64 = 4;
 
 /// Whether light comes from emissive triangles or from infinity.
 pub(crate) fn has_area_lights(facts: &SceneFacts) -> bool {
@@ -47,14 +47,17 @@ pub(super) fn without_area_lights(facts: &SceneFacts) -> Option<&'static str> {
 /// As many points as the march has strata, but few: each costs a shadow ray. Even: half of them are
 /// of one kind where there are two.
 fn strata(input: &PlanInput<'_>) -> u32 {
-    // A shadow ray visits tens of nodes; the bound leaves room for hundreds. Each point may lie in any
-    // medium, and there are two kinds of lights.
-    let media = 12 * input.facts.media.max(1) as u32;
-    let per_point = 2 * (400 + media) + CANDIDATES * (32 + media);
     let cap = input.limits.loop_cap;
-    let most = cap.map_or(u32::MAX, |cap| cap / (2 * per_point));
+    let most = cap.map_or(u32::MAX, |cap| cap / per_point(input) as u32);
     let wanted = input.settings.single_scattering.steps.min(AREA_STRATA);
     (wanted.min(most) / 2 * 2).max(2)
+}
+
+/// Loop iterations of one point. A shadow ray visits tens of nodes; the bound leaves room for hundreds.
+/// Each point may lie in any medium, and there are two kinds of lights.
+fn per_point(input: &PlanInput<'_>) -> u64 {
+    let media = 12 * input.facts.media.max(1) as u64;
+    2 * (2 * (400 + media) + CANDIDATES * (32 + media))
 }
 
 /// Whether traced samples bring their light beside that of other lights. It is smooth, and a few points of
@@ -96,6 +99,7 @@ pub(crate) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer>
     let shadowed = input.settings.shadows.mode != ShadowMode::Off;
     plan.run(
         NewPass::new(PASS, Programs::One(permutation), Dispatch(Reach::Picture))
+            .iterations(u64::from(strata) * per_point(input))
             .constants(
                 Constants::default()
                     .number("AREA_STRATA", strata)

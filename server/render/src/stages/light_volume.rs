@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3, UVec3, Vec3};
 use tyndall_scene::{ChangeSet, Light, Medium, MediumShape, Scene, SharedGrid};
 use tyndall_shaders::types;
 
-use crate::engine::{Bindings, Device, Recording, Size};
+use crate::engine::{Bindings, Device, Recording};
 use crate::error::RenderError;
 use crate::frame::{
     Filled, FramePlan, Kept, KeptKind, NewPass, Parts, Pass, PassId, PipelineList, PlanInput, PlannedPass,
@@ -88,7 +88,10 @@ pub(crate) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) {
         return;
     }
     plan.run(
-        NewPass::new(PASS, Programs::None, Fill).keeps(KeptKind::of::<LightVolume>(|_| {
+        NewPass::new(PASS, Programs::None, Fill)
+            // Each walks through all grids once.
+            .iterations(grids as u64 * u64::from(input.facts.voxels_across))
+            .keeps(KeptKind::of::<LightVolume>(|_| {
             Box::new(LightVolume { contents: None })
         })),
         format!("depth of {grids} grids toward {lights} lights, kept until either changes"),
@@ -173,12 +176,12 @@ impl Pass for Fill {
             return Ok(());
         }
         let Field { size, lights, .. } = *contents.field.as_ref();
-        recording.compute(
+        recording.compute_in_parts(
             PASS.name(),
             PASS.name(),
             parts.constants,
             &parts.bindings(planned)?,
-            Size::Invocations([size.x, size.y, size.z * lights]),
+            ([size.x, size.y, size.z * lights], planned.iterations),
         )?;
         contents.filled.set(Filled::Recorded);
         Ok(())

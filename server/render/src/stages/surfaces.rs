@@ -127,6 +127,7 @@ pub(crate) fn plan_shade(plan: &mut FramePlan, input: &PlanInput<'_>) {
         .with_if(facts.environment_map, "environment_map");
     plan.run(
         NewPass::new(SHADE, Programs::One(permutation), Dispatch(Reach::Picture))
+            .iterations(input.iterations_a_point())
             .accesses([
                 depth(facts).read(),
                 base_color(facts).read(),

@@ -7,7 +7,9 @@ use std::sync::Arc;
 
 use tyndall_scene::{ChangeSet, Light, Medium, MediumShape, Scene, SceneFacts, ShadowMode};
 
-use crate::engine::{Access, Constants, Device, Pool, ViewResources};
+use crate::engine::{
+    Access, Constants, Device, Pool, ViewResources, most_frame_iterations,
+};
 use crate::error::RenderError;
 use crate::frame::{FramePlan, KeptKind, KeptStates, PlanLimits, Preparation, Traces};
 use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
@@ -51,6 +53,7 @@ impl Maker<'_> {
         let device = self.device;
         let facts = tyndall_scene::facts(&scene);
         let plan = plan(&facts, &scene.render, &self.limits)?;
+        check_work(device, &plan, self.size)?;
         need_geometry(device, &assets.placement, &plan)?;
         let accesses: Vec<&[Access]> = plan.passes.iter().map(|p| p.accesses.as_slice()).collect();
         // What was kept at another size is of no use.
@@ -132,6 +135,26 @@ impl SceneState {
             ShadowMode::Off
         }
     }
+}
+
+/// Refuses frames that would keep the device busy for minutes.
+fn check_work(
+    device: &Device,
+    plan: &FramePlan,
+    [width, height]: [u32; 2],
+) -> Result<(), RenderError> {
+    let pixels = u64::from(width) * u64::from(height);
+    let allowed = most_frame_iterations(device.summary().kind);
+    let longest = plan.passes.iter().max_by_key(|pass| pass.whole_picture());
+    let needed = longest.map_or(0, |pass| pass.whole_picture().saturating_mul(pixels));
+    if needed > allowed {
+        return Err(RenderError::TooLarge {
+            what: "loop iterations a frame (lights × steps × media × pixels)",
+            needed,
+            allowed,
+        });
+    }
+    Ok(())
 }
 
 /// Builds what the passes of the plan ask rays about.

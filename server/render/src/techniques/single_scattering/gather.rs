@@ -130,12 +130,13 @@ impl Pass for Gather {
         let restoring = self.restoring.name();
         let whole = Size::from(parts.size());
         recording.compute(name, restoring, &constants, &bindings, whole)?;
-        recording.compute(
+        let [width, height] = parts.size();
+        recording.compute_listed(
             REJECTED,
             planned.program(),
             &constants,
             &bindings,
-            Size::Indirect(list),
+            (list, width * height, planned.iterations),
         )
     }
 }

@@ -93,6 +93,17 @@ impl March {
             .flag("CULLS", self.culls)
     }
 
+    /// Loop iterations of a pixel that takes its share of the strata.
+    pub(super) fn iterations(self, input: &PlanInput<'_>) -> u64 {
+        let shared = u64::from(self.interleave * self.interleave);
+        (self.full_iterations(input) / shared).max(1)
+    }
+
+    /// Loop iterations of a pixel that takes all of them.
+    pub(super) fn full_iterations(self, input: &PlanInput<'_>) -> u64 {
+        u64::from(self.steps) * input.iterations_a_point()
+    }
+
     /// Whether pixels take from their neighbours what they did not march themselves.
     pub fn is_shared(self) -> bool {
         self.interleave > 1 || self.spacing > 1

@@ -59,6 +59,7 @@ pub(super) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer>
             }),
         )
         .constants(march.constants())
+        .iterations(march.iterations(input))
         .sorts_lights(march.culls)
         .values(
             SETTINGS,
@@ -88,6 +89,7 @@ pub(super) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer>
                 },
             )
             .constants(march.constants())
+            .listed_iterations(march.full_iterations(input))
             .values(gather::EMPTY, &gather::EMPTY_LIST)
             .accesses(shared.accesses())
             .accesses([
