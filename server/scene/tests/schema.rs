@@ -1,4 +1,4 @@
-//! The published JSON Schema is the one of the code, and SCENE.md names every member.
+//! The published JSON Schema is the one of the code, and docs/scene.md names every member.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -23,7 +23,7 @@ fn the_committed_schema_is_current() {
 
 #[test]
 fn every_member_of_the_schema_is_documented() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("SCENE.md");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/scene.md");
     let text = std::fs::read_to_string(file).unwrap();
     let mut names = BTreeSet::new();
     collect(&tyndall_scene::json_schema(), &mut names);
@@ -32,7 +32,7 @@ fn every_member_of_the_schema_is_documented() {
         .iter()
         .filter(|name| !text.contains(&format!("`{name}`")))
         .collect();
-    assert!(missing.is_empty(), "SCENE.md lacks {missing:?}");
+    assert!(missing.is_empty(), "docs/scene.md lacks {missing:?}");
 }
 
 fn collect(schema: &Value, names: &mut BTreeSet<String>) {

@@ -3,6 +3,7 @@
 use std::io::Write as _;
 
 use clap::Args;
+use serde_json::json;
 use tyndall_render::check_supported;
 use tyndall_scene::facts;
 
@@ -22,9 +23,12 @@ impl Check {
     pub fn run(self) -> anyhow::Result<()> {
         let loaded = scene_argument::load(&self.scene)?;
         let facts = facts(&loaded.scene);
+        let bounds = facts.bounds;
         let mut out = std::io::stdout().lock();
         if self.json {
-            writeln!(out, "{}", serde_json::to_string_pretty(&facts)?)?;
+            let mut printed = serde_json::to_value(&facts)?;
+            printed["bounds"] = json!({"min": bounds.min.to_array(), "max": bounds.max.to_array()});
+            writeln!(out, "{}", serde_json::to_string_pretty(&printed)?)?;
         } else {
             let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
             writeln!(
@@ -36,6 +40,11 @@ impl Check {
                 facts.textures,
                 facts.media,
                 facts.optical_thickness
+            )?;
+            writeln!(
+                out,
+                "everything lies between {:.3} and {:.3} m",
+                bounds.min, bounds.max
             )?;
         }
         check_supported(&loaded.scene)?;
