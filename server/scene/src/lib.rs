@@ -7,6 +7,7 @@
 
 mod animation;
 mod build;
+mod change;
 pub mod description;
 mod edit;
 mod environment;
@@ -30,6 +31,7 @@ pub use animation::{
     Animation, CameraKey, Direction, Interpolate, LightTrack, Placement, SpotKey, Track,
 };
 pub use build::{Loaded, build, build_with};
+pub use change::ChangeSet;
 pub use description::SceneDescription;
 pub use description::parse::parse_json;
 pub use edit::{SceneEdit, apply_edit};
