@@ -1,7 +1,7 @@
 //! Which settings of which technique are measured, and what each claims to show.
 
 use serde::Serialize;
-use tyndall_scene::description::render::{Reference, Technique};
+use tyndall_scene::description::render::{ReferenceSettings, Technique};
 
 /// Which paths a picture claims to show: the truth that it is fair to judge it by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -26,13 +26,13 @@ impl Claim {
     }
 
     /// The setting of `reference` that counts the same paths.
-    pub fn reference(self) -> Reference {
-        Reference {
+    pub fn reference(self) -> ReferenceSettings {
+        ReferenceSettings {
             max_scatterings: match self {
                 Self::Whole => None,
                 Self::OneScattering => Some(1),
             },
-            ..Reference::default()
+            ..ReferenceSettings::default()
         }
     }
 

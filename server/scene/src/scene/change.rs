@@ -7,7 +7,9 @@
 
 use bitflags::bitflags;
 
-use crate::scene::{Light, Medium, Scene};
+use super::Scene;
+use super::lights::Light;
+use super::media::Medium;
 
 bitflags! {
     /// What differs between two states of a scene.
@@ -167,11 +169,10 @@ mod tests {
 
     use super::*;
     use crate::description::SceneDescription;
-    use crate::geometry::Geometry;
     use crate::scene::{
-        CorrectionMode, MediumOrder, MediumShape, PointLight, ShadowMode, StopRule, Technique,
+        CorrectionMode, Geometry, MediumOrder, MediumShape, PointLight, ShadowMode, SharedGrid,
+        StopRule, Technique,
     };
-    use crate::shared_grid::SharedGrid;
 
     /// A scene with two boxes, every kind of light, every kind of medium and an environment.
     fn scene() -> Scene {
