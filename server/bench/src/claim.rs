@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use tyndall_render::{Paths, Rung};
-use tyndall_scene::description::render::{Reference, Technique};
+use tyndall_scene::description::render::{ReferenceSettings, Technique};
 
 /// Which paths a picture claims to show: the truth that it is fair to judge it by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -17,7 +17,7 @@ pub enum Claim {
 impl Claim {
     /// What `technique` claims; everything for those that are not rendered yet.
     pub fn of(technique: Technique) -> Self {
-        match tyndall_render::claim(technique.into()).map(|claim| claim.paths) {
+        match tyndall_render::claim(technique).map(|claim| claim.paths) {
             Some(Paths::AtMostOneScattering) => Self::OneScattering,
             Some(Paths::Whole) | None => Self::Whole,
         }
@@ -26,22 +26,20 @@ impl Claim {
     /// What the picture of a setting claims: a corrected one all of the light.
     pub fn of_rung(rung: &Rung) -> Self {
         if rung.corrected {
-            return Self::Whole;
-        }
-        match tyndall_render::claim(rung.technique).map(|claim| claim.paths) {
-            Some(Paths::AtMostOneScattering) => Self::OneScattering,
-            Some(Paths::Whole) | None => Self::Whole,
+            Self::Whole
+        } else {
+            Self::of(rung.technique)
         }
     }
 
     /// The setting of `reference` that counts the same paths.
-    pub fn reference(self) -> Reference {
-        Reference {
+    pub fn reference(self) -> ReferenceSettings {
+        ReferenceSettings {
             max_scatterings: match self {
                 Self::Whole => None,
                 Self::OneScattering => Some(1),
             },
-            ..Reference::default()
+            ..ReferenceSettings::default()
         }
     }
 

@@ -71,7 +71,7 @@ impl Suite {
         let rungs: usize = self
             .techniques
             .iter()
-            .map(|technique| ladder((*technique).into(), self.quick).len())
+            .map(|technique| ladder(*technique, self.quick).len())
             .sum();
         (rungs + 2 + usize::from(self.peer.is_some())) as u64
     }
@@ -114,7 +114,7 @@ impl Suite {
         }
         let machine = Machine::of(renderer);
         for technique in &self.techniques {
-            for rung in ladder((*technique).into(), self.quick) {
+            for rung in ladder(*technique, self.quick) {
                 progress(&format!("{}: {}", subject.name, rung.name()));
                 let row = self.measure(renderer, subject, size, &rung, &machine, &truths);
                 match row {

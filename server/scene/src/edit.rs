@@ -9,10 +9,9 @@ use crate::description::{
     CameraDescription, LightDescription, MediumDescription, RenderDescription, SceneDescription,
 };
 use crate::error::SceneError;
-use crate::geometry::SharedGeometry;
 use crate::import::Assets;
 use crate::limits::Limits;
-use crate::scene::Scene;
+use crate::scene::{Scene, SharedGeometry};
 use crate::validate;
 
 /// A change to a scene. What is left out stays as it is; a list replaces the whole list.

@@ -101,3 +101,18 @@ impl SceneError {
         }
     }
 }
+
+/// Shortens text from a file so that an error message stays one line.
+pub(crate) fn abbreviate(text: &str) -> String {
+    const LONGEST: usize = 80;
+    let one_line: String = text
+        .chars()
+        .take(LONGEST)
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    if text.chars().nth(LONGEST).is_some() {
+        format!("{one_line}…")
+    } else {
+        one_line
+    }
+}

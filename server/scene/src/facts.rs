@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
-use crate::geometry::{Geometry, Instance, Material, TextureRef};
-use crate::hull::{Hull, box_corners};
-use crate::scene::{Aabb, Camera, Light, Medium, MediumShape, Scene};
+use crate::scene::{
+    Aabb, Camera, Geometry, Hull, Instance, Light, Material, Medium, MediumShape, Scene,
+    TextureRef, box_corners,
+};
 
 /// Numbers and yes/no facts that decide which passes a scene needs.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use crate::error::SceneError;
+use crate::error::{SceneError, abbreviate};
 use crate::limits::Limits;
 
 /// Checks that `file` is a plain relative path that can't leave the folder it is relative to.
@@ -17,7 +17,7 @@ pub(crate) fn check_relative(path: &str, file: &str) -> Result<(), SceneError> {
         None => Ok(()),
         Some(why) => Err(SceneError::invalid(
             path,
-            format!("\"{}\", {why}", crate::description::parse::abbreviate(file)),
+            format!("\"{}\", {why}", abbreviate(file)),
             "a relative path inside the scene's folder",
         )),
     }

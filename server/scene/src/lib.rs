@@ -5,42 +5,31 @@
 //! Files are hostile until proven otherwise: everything read from them is bounded by [`Limits`],
 //! checked before use, and refused with an error that names its cause.
 
-mod animation;
 mod build;
 mod change;
 pub mod description;
 mod edit;
-mod environment;
 mod error;
 mod facts;
 mod files;
-mod geometry;
-mod hull;
 mod import;
 mod json_path;
 mod limits;
 mod load;
 pub mod presets;
+mod range;
 mod scene;
 mod schema;
-mod shared_grid;
-mod tracks;
 mod validate;
 
-pub use animation::{
-    Animation, CameraKey, Direction, Interpolate, LightTrack, Placement, SpotKey, Track,
-};
 pub use build::{Loaded, build, build_with};
 pub use change::ChangeSet;
 pub use description::SceneDescription;
 pub use description::parse::parse_json;
 pub use edit::{SceneEdit, apply_edit};
-pub use environment::{EnvironmentDistribution, EnvironmentMap, EnvironmentSample};
 pub use error::SceneError;
 pub use facts::{SceneFacts, facts};
-pub use geometry::*;
 pub use limits::Limits;
 pub use load::{load, load_with};
 pub use scene::*;
 pub use schema::json_schema;
-pub use shared_grid::{GridStats, SharedGrid};

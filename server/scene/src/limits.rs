@@ -1,5 +1,7 @@
 //! How large a scene may be before it is refused.
 
+use crate::error::SceneError;
+
 /// Upper bounds on what one scene may make this process read, decode or hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Limits {
@@ -55,4 +57,22 @@ impl Default for Limits {
             geometry_entries: 20_000,
         }
     }
+}
+
+/// Refuses more than the limit.
+pub(crate) fn limit(
+    path: &str,
+    what: &'static str,
+    found: u64,
+    limit: u64,
+) -> Result<(), SceneError> {
+    if found <= limit {
+        return Ok(());
+    }
+    Err(SceneError::Limit {
+        path: path.to_owned(),
+        what,
+        found,
+        limit,
+    })
 }

@@ -19,14 +19,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ts_rs::TS;
 
-use crate::error::SceneError;
+use crate::error::{SceneError, abbreviate};
 use crate::limits::Limits;
 
 pub use camera::{CameraDescription, CameraKeyframe};
 pub use geometry::{GeometryDescription, MaterialDescription};
 pub use lights::LightDescription;
 pub use media::MediumDescription;
-pub use render::{RenderDescription, Shadows, SingleScattering};
+pub use render::RenderDescription;
 pub use values::{Bounds, Rgb, Scale, Transform};
 
 /// The version of the format this library reads.
@@ -74,18 +74,6 @@ pub struct AnimationDescription {
 }
 
 impl SceneDescription {
-    /// Parses and validates a scene's JSON text; reads no other file.
-    ///
-    /// # Errors
-    /// [`SceneError::Syntax`] if the text is not JSON, [`SceneError::Invalid`] with path, found
-    /// and allowed if a value is wrong, [`SceneError::Limit`] if there is too much of something.
-    pub fn from_json(text: &str) -> Result<Self, SceneError> {
-        let limits = Limits::default();
-        let description = Self::parse(text, &limits)?;
-        crate::validate::description(&description, &limits)?;
-        Ok(description)
-    }
-
     /// Parses without checking ranges.
     pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Self, SceneError> {
         let found = text.len() as u64;
@@ -102,7 +90,7 @@ impl SceneDescription {
         if probe.version != VERSION {
             let found = match &probe.version {
                 serde_json::Value::Null => "nothing".to_owned(),
-                other => parse::abbreviate(&other.to_string()),
+                other => abbreviate(&other.to_string()),
             };
             return Err(SceneError::invalid("version", found, "1"));
         }

@@ -2,7 +2,7 @@
 
 use serde::de::DeserializeOwned;
 
-use crate::error::SceneError;
+use crate::error::{SceneError, abbreviate};
 
 /// Parses JSON text.
 ///
@@ -158,19 +158,4 @@ fn join(outer: &str, inner: &str) -> String {
 /// The last member name of a path.
 fn last_name(path: &str) -> &str {
     path.rsplit('.').next().unwrap_or(path)
-}
-
-/// Shortens text from a file so that an error message stays one line.
-pub(crate) fn abbreviate(text: &str) -> String {
-    const LONGEST: usize = 80;
-    let one_line: String = text
-        .chars()
-        .take(LONGEST)
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
-    if text.chars().nth(LONGEST).is_some() {
-        format!("{one_line}…")
-    } else {
-        one_line
-    }
 }

@@ -68,7 +68,7 @@ pub(super) fn inner<T: DeserializeOwned, E: Error>(members: Map<String, Value>) 
 
 /// The error of a `kind` that is none of the known ones.
 pub(super) fn unknown_kind<E: Error>(found: &str, kinds: &[&str]) -> E {
-    let found = super::parse::abbreviate(found);
+    let found = crate::error::abbreviate(found);
     let allowed = kinds.join(", ");
     E::custom(format!(
         "at `kind`: found {found}, allowed one of {allowed}"

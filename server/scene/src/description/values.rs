@@ -3,10 +3,13 @@
 use std::borrow::Cow;
 use std::fmt;
 
+use glam::DVec3;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use ts_rs::TS;
+
+use crate::scene::Aabb;
 
 /// A linear Rec. 709 RGB triple; a single number in JSON stands for three equal channels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, TS)]
@@ -114,6 +117,22 @@ pub struct Bounds {
     pub min: [f64; 3],
     /// Highest corner; above `min` in every component. Unit: m.
     pub max: [f64; 3],
+}
+
+impl Bounds {
+    /// As the scene holds it.
+    pub(crate) fn aabb(&self) -> Aabb {
+        Aabb {
+            min: DVec3::from_array(self.min),
+            max: DVec3::from_array(self.max),
+        }
+    }
+}
+
+/// The unit vector along a validated direction, which is never short.
+pub(crate) fn unit(direction: [f64; 3]) -> DVec3 {
+    let direction = DVec3::from_array(direction);
+    direction / direction.length()
 }
 
 /// Scale, then rotation about x, then y, then z (the fixed axes), then translation.

@@ -5,12 +5,9 @@ use std::ops::Range;
 use glam::{DAffine3, DVec3};
 
 use super::transform::placement;
-use crate::animation::{Placement, Track};
 use crate::description::geometry::TransformKeyframe;
 use crate::error::SceneError;
-use crate::geometry::{Instance, PlacementTrack, Surfaces};
-use crate::hull::{Hull, box_corners};
-use crate::scene::Aabb;
+use crate::scene::{Aabb, Hull, Instance, Placement, PlacementTrack, Surfaces, Track, box_corners};
 
 /// Least volume of a placed unit cube relative to that of its longest side; twice the root of 27
 /// above what `is_invertible` asks for, since two maps follow one another.

@@ -9,16 +9,16 @@ use tyndall_volume::{Pattern, Procedural, ReadOptions, VolumeError, VolumeLimits
 
 use super::environment;
 use super::transform::affine;
-use crate::build::{aabb, unit};
 use crate::description::media::{GridMedium, ProceduralMedium, ProceduralPattern};
-use crate::description::{LightDescription, MediumDescription, SceneDescription, Transform};
-use crate::environment::EnvironmentMap;
-use crate::error::SceneError;
+use crate::description::values::unit;
+use crate::description::{
+    Bounds, LightDescription, MediumDescription, SceneDescription, Transform,
+};
+use crate::error::{SceneError, abbreviate};
 use crate::files::Folder;
 use crate::json_path::JsonPath;
 use crate::limits::Limits;
-use crate::scene::{MediumShape, Scene};
-use crate::shared_grid::SharedGrid;
+use crate::scene::{EnvironmentMap, MediumShape, Scene, SharedGrid};
 use crate::validate;
 
 /// The parts of a scene that come from files or take long to make.
@@ -106,7 +106,7 @@ impl Assets {
 fn new_file(path: &str, name: &str) -> SceneError {
     SceneError::invalid(
         path,
-        format!("\"{}\"", crate::description::parse::abbreviate(name)),
+        format!("\"{}\"", abbreviate(name)),
         "a file that the scene uses already; open a scene to use another",
     )
 }
@@ -160,13 +160,13 @@ fn shapes(
             };
             match medium {
                 MediumDescription::Homogeneous(medium) => Ok(MediumShape::Homogeneous {
-                    bounds: medium.bounds.as_ref().map(aabb),
+                    bounds: medium.bounds.as_ref().map(Bounds::aabb),
                 }),
                 MediumDescription::HeightFog(medium) => Ok(MediumShape::HeightFog {
-                    up: unit(medium.up),
+                    up: unit(medium.up).as_vec3(),
                     falloff: medium.falloff as f32,
                     origin: DVec3::from_array(medium.origin),
-                    bounds: medium.bounds.as_ref().map(aabb),
+                    bounds: medium.bounds.as_ref().map(Bounds::aabb),
                 }),
                 MediumDescription::Sphere(medium) => Ok(MediumShape::Sphere {
                     center: DVec3::from_array(medium.center),

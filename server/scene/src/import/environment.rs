@@ -7,11 +7,10 @@ use exr::prelude::{ReadChannels, ReadLayers, SampleType};
 use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
 
-use super::limit;
-use crate::environment::EnvironmentMap;
 use crate::error::SceneError;
 use crate::files::Folder;
-use crate::limits::Limits;
+use crate::limits::{Limits, limit};
+use crate::scene::EnvironmentMap;
 
 /// What infinity in a 16-bit channel becomes: the largest value of the format. Writers overflow at
 /// suns, so there it stands for something bright.

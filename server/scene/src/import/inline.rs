@@ -7,14 +7,15 @@ use std::collections::HashMap;
 
 use glam::{DAffine3, DVec3};
 
+use super::importer::{IDENTITY_UV, Importer};
 use super::shapes::Shape;
-use super::surface::{self, RawMesh};
+use super::surface::RawMesh;
 use super::transform::initial;
-use super::{Importer, limit};
 use crate::description::geometry::MeshGeometry;
 use crate::description::{GeometryDescription, MaterialDescription};
 use crate::error::SceneError;
-use crate::geometry::{ColorSpace, Material, TextureRef};
+use crate::limits::limit;
+use crate::scene::{ColorSpace, Material, TextureRef};
 
 /// Farthest vertex from the anchor of its mesh. Unit: m.
 const REACH: f64 = 1000.0;
@@ -197,9 +198,6 @@ fn alone(
     importer.add_raw(path, "", raw, &[placed])
 }
 
-/// Texture coordinates as they are.
-pub(super) const IDENTITY_UV: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-
 fn mesh(
     importer: &mut Importer,
     path: &str,
@@ -230,56 +228,4 @@ fn mesh(
         material,
     };
     importer.add_raw(path, "", raw, &[placed])
-}
-
-impl Importer<'_> {
-    /// Cleans a mesh, warns of what that left out, and places it.
-    ///
-    /// `file` names the file for messages; empty for what stands in the scene itself.
-    pub(super) fn add_raw(
-        &mut self,
-        path: &str,
-        file: &str,
-        raw: RawMesh,
-        placed: &[DAffine3],
-    ) -> Result<(), SceneError> {
-        let name = raw.name.clone();
-        let place = if file.is_empty() { path } else { file };
-        let cleaned = surface::clean(raw).map_err(|refused| {
-            if file.is_empty() {
-                SceneError::invalid(path, refused.message, "a well-formed mesh")
-            } else {
-                SceneError::Model {
-                    path: path.to_owned(),
-                    file: file.to_owned(),
-                    location: format!("mesh \"{name}\", {}", refused.part),
-                    message: refused.message,
-                }
-            }
-        })?;
-        self.warn_of(place, &name, &cleaned);
-        if let Some(mesh) = cleaned.mesh {
-            let mesh = self.add_mesh(path, mesh)?;
-            for map in placed {
-                self.add_instance(path, mesh, *map)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Warns of what a cleaning left out.
-    pub(super) fn warn_of(&mut self, place: &str, name: &str, cleaned: &surface::Cleaned) {
-        if cleaned.degenerate > 0 {
-            let count = cleaned.degenerate;
-            self.warn(format!(
-                "{place}: mesh \"{name}\": {count} triangles without area dropped"
-            ));
-        }
-        if cleaned.bad_normals > 0 {
-            let count = cleaned.bad_normals;
-            self.warn(format!(
-                "{place}: mesh \"{name}\": {count} normals without direction replaced"
-            ));
-        }
-    }
 }

@@ -3,21 +3,20 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::Draft;
-use crate::geometry::Mesh;
+use crate::scene::{Instance, Mesh};
 
 /// Reflection at the plane x = 0; its own inverse.
 const MIRROR: DVec3 = DVec3::new(-1.0, 1.0, 1.0);
 
 /// Gives every instance a positive determinant.
-pub(super) fn unmirror(geometry: &mut Draft) {
+pub(super) fn unmirror(meshes: &mut Vec<Mesh>, instances: &mut [Instance]) {
     let is_mirrored = |map: &DAffine3| map.matrix3.determinant() < 0.0;
-    let mut used_as_is = vec![false; geometry.meshes.len()];
-    for instance in &geometry.instances {
+    let mut used_as_is = vec![false; meshes.len()];
+    for instance in instances.iter() {
         used_as_is[instance.mesh] |= !is_mirrored(&instance.world_from_object);
     }
-    let mut mirrored: Vec<Option<usize>> = vec![None; geometry.meshes.len()];
-    for instance in &mut geometry.instances {
+    let mut mirrored: Vec<Option<usize>> = vec![None; meshes.len()];
+    for instance in instances {
         if !is_mirrored(&instance.world_from_object) {
             continue;
         }
@@ -25,12 +24,12 @@ pub(super) fn unmirror(geometry: &mut Draft) {
         let original = instance.mesh;
         instance.mesh = *mirrored[original].get_or_insert_with(|| {
             if used_as_is[original] {
-                let mut copy = geometry.meshes[original].clone();
+                let mut copy = meshes[original].clone();
                 mirror(&mut copy);
-                geometry.meshes.push(copy);
-                geometry.meshes.len() - 1
+                meshes.push(copy);
+                meshes.len() - 1
             } else {
-                mirror(&mut geometry.meshes[original]);
+                mirror(&mut meshes[original]);
                 original
             }
         });

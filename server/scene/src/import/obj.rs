@@ -8,15 +8,13 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::Path;
 
+use super::importer::{IDENTITY_UV, Importer};
 use super::surface::RawMesh;
 use super::transform::initial;
-use super::{Importer, limit};
 use crate::description::geometry::ObjGeometry;
-use crate::description::parse::abbreviate;
-use crate::error::SceneError;
-use crate::files::why_not_relative;
-use crate::geometry::{ColorSpace, Material, TextureRef};
-use crate::import::inline::IDENTITY_UV;
+use crate::error::{SceneError, abbreviate};
+use crate::files::{Folder, why_not_relative};
+use crate::scene::{ColorSpace, Material, TextureRef};
 
 /// Largest index; more elements would not fit the limits of any scene.
 const LARGEST_INDEX: u64 = 1 << 31;
@@ -163,7 +161,7 @@ fn check_obj(file: &File, bytes: &[u8]) -> Result<(), SceneError> {
 type Library = (Vec<tobj::Material>, HashMap<String, usize>);
 
 /// Reads a material library next to the OBJ file.
-fn library(file: &File, folder: &crate::files::Folder, name: &Path) -> Result<Library, SceneError> {
+fn library(file: &File, folder: &Folder, name: &Path) -> Result<Library, SceneError> {
     let name = name.to_str().unwrap_or_default();
     let beside = file.beside(name, "mtllib")?;
     let bytes = folder
@@ -260,13 +258,7 @@ fn raw_mesh(
     material: usize,
 ) -> Result<RawMesh, SceneError> {
     let mesh = &model.mesh;
-    importer.raw_triangles += (mesh.indices.len() / 3) as u64;
-    limit(
-        &file.path,
-        "the number of triangles",
-        importer.raw_triangles,
-        importer.limits.triangles,
-    )?;
+    importer.count_raw_triangles(&file.path, mesh.indices.len() / 3)?;
     let vertices = mesh.positions.len() / 3;
     let name = abbreviate(&model.name);
     let mut texcoords: Vec<[f32; 2]> = mesh

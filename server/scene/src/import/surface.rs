@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::geometry::Mesh;
+use crate::scene::Mesh;
 
 /// A triangle is dropped if `|e₁×e₂|² ≤ this · |e_max|⁴`: its normal would be noise.
 const DEGENERATE: f64 = 1e-14;

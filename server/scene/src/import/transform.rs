@@ -2,9 +2,9 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 
-use crate::animation::Placement;
 use crate::description::Transform;
 use crate::description::geometry::TransformKeyframe;
+use crate::scene::Placement;
 
 /// Scale, then rotation about the fixed axes x, y, z in this order, then translation.
 pub(super) fn affine(transform: Option<&Transform>) -> DAffine3 {
@@ -28,17 +28,6 @@ pub(super) fn placement(transform: &Transform) -> Placement {
         rotation: DQuat::from_euler(EulerRot::ZYX, z, y, x),
         scale: DVec3::from_array(transform.scale.0),
     }
-}
-
-/// Whether a map is finite and its determinant is not lost in rounding.
-pub(crate) fn is_invertible(map: &DAffine3) -> bool {
-    let linear = &map.matrix3;
-    let longest = [linear.x_axis, linear.y_axis, linear.z_axis]
-        .map(DVec3::length)
-        .into_iter()
-        .fold(0.0, f64::max);
-    let determinant = linear.determinant();
-    map.is_finite() && determinant.is_finite() && determinant.abs() > 1e-12 * longest.powi(3)
 }
 
 /// Maps normals: the cofactor matrix, which needs no inverse and keeps the outside outside.

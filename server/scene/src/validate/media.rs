@@ -6,10 +6,10 @@ use tyndall_volume::{ENDINGS, Grid, Procedural};
 use super::rules;
 use crate::description::MediumDescription;
 use crate::description::media::Coefficients;
-use crate::description::{Rgb, Transform};
+use crate::description::{Bounds, Rgb, Transform};
 use crate::error::SceneError;
-use crate::import::is_invertible;
 use crate::json_path::JsonPath;
+use crate::scene::{box_corners, is_invertible};
 
 /// Largest coefficient. Unit: m⁻¹.
 const SIGMA: f64 = 1e6;
@@ -92,7 +92,7 @@ pub(crate) fn placed_grid(
     grid: &Grid,
     world_from_lattice: &DAffine3,
 ) -> Result<(), SceneError> {
-    let corners = crate::hull::box_corners(grid.clip[0], grid.clip[1])
+    let corners = box_corners(grid.clip[0], grid.clip[1])
         .map(|corner| world_from_lattice.transform_point3(corner));
     let near = |corner: &DVec3| corner.abs().max_element() <= rules::COORDINATE;
     if !is_invertible(world_from_lattice) || !corners.iter().all(near) {
@@ -182,12 +182,7 @@ fn coefficients(medium: &Coefficients, path: &JsonPath) -> Result<(), SceneError
 }
 
 /// Exponent of the density at the corner of `bounds` where the fog is thickest.
-fn highest_exponent(
-    up: [f64; 3],
-    falloff: f64,
-    origin: [f64; 3],
-    bounds: &crate::description::Bounds,
-) -> f64 {
+fn highest_exponent(up: [f64; 3], falloff: f64, origin: [f64; 3], bounds: &Bounds) -> f64 {
     let up = DVec3::from_array(up);
     let up = up / up.length();
     let lowest: f64 = (0..3)

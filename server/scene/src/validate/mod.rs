@@ -18,6 +18,20 @@ use crate::limits::Limits;
 pub(crate) use infinite::light_can_arrive;
 pub(crate) use media::placed_grid;
 
+impl SceneDescription {
+    /// Parses and validates a scene's JSON text; reads no other file.
+    ///
+    /// # Errors
+    /// [`SceneError::Syntax`] if the text is not JSON, [`SceneError::Invalid`] with path, found
+    /// and allowed if a value is wrong, [`SceneError::Limit`] if there is too much of something.
+    pub fn from_json(text: &str) -> Result<Self, SceneError> {
+        let limits = Limits::default();
+        let scene = Self::parse(text, &limits)?;
+        description(&scene, &limits)?;
+        Ok(scene)
+    }
+}
+
 /// Checks a whole description; reads no file.
 pub(crate) fn description(scene: &SceneDescription, limits: &Limits) -> Result<(), SceneError> {
     all_but_geometry(scene, limits)?;
@@ -27,11 +41,6 @@ pub(crate) fn description(scene: &SceneDescription, limits: &Limits) -> Result<(
         geometry::check(entry, &path.index(i), limits)?;
     }
     Ok(())
-}
-
-/// Checks a time that a scene shall be shown at. Unit: s.
-pub(crate) fn check_time(member: &str, seconds: f64) -> Result<(), SceneError> {
-    rules::range(&JsonPath::Root.field(member), seconds, 0.0, rules::LATEST)
 }
 
 /// Checks everything that an edit can change.

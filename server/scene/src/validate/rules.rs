@@ -1,9 +1,11 @@
 //! The rules that several parts share.
 
 use crate::description::{Bounds, Rgb, Transform};
-use crate::error::SceneError;
+use crate::error::{SceneError, abbreviate};
 use crate::files::check_relative;
 use crate::json_path::JsonPath;
+
+pub(super) use crate::range::{LATEST, found, range, shown};
 
 /// Largest magnitude of a coordinate; keeps every square and product finite in `f32`. Unit: m.
 pub(super) const COORDINATE: f64 = 1e7;
@@ -15,44 +17,10 @@ pub(super) const SHORTEST: f64 = 1e-6;
 const NAME: usize = 200;
 /// Largest emitted radiance, irradiance and emission of a medium, in their units.
 pub(super) const RADIANCE: f64 = 1e9;
-/// Latest keyframe. Unit: s.
-pub(super) const LATEST: f64 = 1e6;
 /// Largest angle of a rotation. Unit: degree.
 const ROTATION: f64 = 36_000.0;
 
 type Checked = Result<(), SceneError>;
-
-/// A number as an error message shows what is allowed.
-pub(super) fn shown(value: f64) -> String {
-    let magnitude = value.abs();
-    let digits = if magnitude != 0.0 && !(1e-4..1e6).contains(&magnitude) {
-        format!("{magnitude:e}").replace("e-", "e−")
-    } else {
-        magnitude.to_string()
-    };
-    if value < 0.0 {
-        format!("−{digits}")
-    } else {
-        digits
-    }
-}
-
-/// A number as an error message shows what was found: as JSON writes it.
-pub(super) fn found(value: f64) -> String {
-    if !value.is_finite() {
-        return "a number that is not finite".to_owned();
-    }
-    serde_json::to_string(&value).unwrap_or_else(|_| value.to_string())
-}
-
-/// `low` ≤ `value` ≤ `high`.
-pub(super) fn range(path: &JsonPath, value: f64, low: f64, high: f64) -> Checked {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    let allowed = format!("{} to {}", shown(low), shown(high));
-    Err(SceneError::invalid(path, found(value), allowed))
-}
 
 /// `low` ≤ `value` ≤ `high` for whole numbers.
 pub(super) fn whole(path: &JsonPath, value: u64, low: u64, high: u64) -> Checked {
@@ -251,5 +219,5 @@ pub(super) fn list(components: &[f64; 3]) -> String {
 
 /// Text from the scene in an error message.
 pub(super) fn quoted(text: &str) -> String {
-    format!("\"{}\"", crate::description::parse::abbreviate(text))
+    format!("\"{}\"", abbreviate(text))
 }

@@ -4,7 +4,7 @@
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
 
-use super::Document;
+use super::document::Document;
 use crate::error::SceneError;
 
 /// An accessor whose ranges have been checked.

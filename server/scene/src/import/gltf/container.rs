@@ -5,8 +5,8 @@ use gltf::json::extensions::texture::Info;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use super::File;
-use crate::error::SceneError;
+use super::file::File;
+use crate::error::{SceneError, abbreviate};
 
 /// A parsed file before its buffers.
 pub(super) struct Container {
@@ -110,6 +110,6 @@ fn parse<T: DeserializeOwned>(file: &File, bytes: &[u8]) -> Result<T, SceneError
         let message = error.inner().to_string();
         // The path says more than the line of a text that people rarely see.
         let message = message.split(" at line ").next().unwrap_or(&message);
-        file.refused(location, crate::description::parse::abbreviate(message))
+        file.refused(location, abbreviate(message))
     })
 }

@@ -4,13 +4,13 @@ use glam::{DAffine3, DVec3};
 use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
 use gltf::json::validation::Checked;
 
-use super::Document;
+use super::document::Document;
 use crate::description::lights::{
     DirectionalLightDescription, PointLightDescription, SpotLightDescription,
 };
 use crate::description::{LightDescription, Rgb};
-use crate::error::SceneError;
-use crate::import::Importer;
+use crate::error::{SceneError, abbreviate};
+use crate::import::importer::Importer;
 
 /// Widest cone. Unit: degree.
 const WIDEST: f64 = 89.9;
@@ -45,7 +45,7 @@ pub(super) fn convert(
         importer.warn(format!("{}: {place}: range left out", file.name));
     }
     let name = light.name.as_ref();
-    let name = name.map(|name| crate::description::parse::abbreviate(name));
+    let name = name.map(|name| abbreviate(name));
     let position = world.translation.to_array();
     let Some(direction) = world.transform_vector3(DVec3::NEG_Z).try_normalize() else {
         importer.warn(format!(

@@ -6,12 +6,12 @@ use gltf::json::material::AlphaMode;
 use gltf::json::texture::{Info, WrappingMode};
 use gltf::json::validation::Checked;
 
-use super::{Document, uri};
+use super::document::Document;
+use super::uri;
 use crate::error::SceneError;
-use crate::geometry::{ColorSpace, Material, TextureRef, Wrap};
-use crate::import::Importer;
 use crate::import::images::{Image, Source};
-use crate::import::inline::IDENTITY_UV;
+use crate::import::importer::{IDENTITY_UV, Importer};
+use crate::scene::{ColorSpace, Material, TextureRef, Wrap};
 
 /// Alpha below this is a hole in a blended material.
 const BLEND_CUTOFF: f32 = 0.5;

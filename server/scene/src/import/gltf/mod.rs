@@ -6,6 +6,8 @@
 mod accessor;
 mod buffers;
 mod container;
+mod document;
+mod file;
 mod lights;
 mod materials;
 mod nodes;
@@ -14,11 +16,13 @@ mod uri;
 
 use gltf::json::Root;
 
-use super::Importer;
+use super::importer::Importer;
 use super::transform::initial;
 use crate::description::geometry::GltfGeometry;
-use crate::error::SceneError;
+use crate::error::{SceneError, abbreviate};
 use buffers::Buffers;
+use document::Document;
+use file::File;
 
 /// Required extensions that are honoured. Quantization needs no code beyond accessors that read
 /// integers.
@@ -59,51 +63,6 @@ pub(super) fn import(
     )
 }
 
-/// A file and the JSON path that names it.
-struct File<'a> {
-    path: String,
-    /// As the scene names it.
-    name: &'a str,
-}
-
-impl File<'_> {
-    /// The error of something wrong at a place in the file.
-    fn refused(&self, location: impl Into<String>, message: impl Into<String>) -> SceneError {
-        SceneError::Model {
-            path: self.path.clone(),
-            file: self.name.to_owned(),
-            location: location.into(),
-            message: message.into(),
-        }
-    }
-
-    /// The element at `index` of an array of the file.
-    fn element<'r, T>(
-        &self,
-        array: &'r [T],
-        name: &str,
-        index: usize,
-        location: &str,
-    ) -> Result<&'r T, SceneError> {
-        array.get(index).ok_or_else(|| {
-            let count = array.len();
-            self.refused(
-                location,
-                format!("{name}[{index}] does not exist, there are {count}"),
-            )
-        })
-    }
-}
-
-/// A file with its buffers.
-struct Document<'a> {
-    file: &'a File<'a>,
-    root: &'a Root,
-    /// Of each material's normal texture.
-    normal_extensions: &'a [Option<gltf::json::extensions::texture::Info>],
-    buffers: &'a Buffers,
-}
-
 /// Refuses files that can't be understood without something unknown.
 fn required_extensions(file: &File, root: &Root) -> Result<(), SceneError> {
     let unknown = root
@@ -114,7 +73,7 @@ fn required_extensions(file: &File, root: &Root) -> Result<(), SceneError> {
     match unknown {
         None => Ok(()),
         Some((i, name)) => {
-            let name = crate::description::parse::abbreviate(name);
+            let name = abbreviate(name);
             Err(file.refused(
                 format!("extensionsRequired[{i}]"),
                 format!(
@@ -148,7 +107,7 @@ fn note_left_out(importer: &mut Importer, document: &Document) {
     }
     for extension in &root.extensions_used {
         if !KNOWN.contains(&extension.as_str()) {
-            let extension = crate::description::parse::abbreviate(extension);
+            let extension = abbreviate(extension);
             importer.warn(format!("{name}: extension \"{extension}\" left out"));
         }
     }

@@ -5,12 +5,13 @@ use std::collections::HashMap;
 use glam::{DAffine3, DMat4, DQuat, DVec3, Vec3};
 use gltf::json::Node;
 
+use super::document::Document;
 use super::materials::Materials;
-use super::{Document, lights, primitives};
+use super::{lights, primitives};
 use crate::description::CameraDescription;
 use crate::description::geometry::GltfGeometry;
 use crate::error::SceneError;
-use crate::import::Importer;
+use crate::import::importer::Importer;
 
 /// A walk over the nodes of a scene.
 pub(super) struct Walk<'a> {

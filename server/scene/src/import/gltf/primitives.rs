@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-use super::Document;
 use super::accessor::Accessor;
+use super::document::Document;
 use super::materials::Materials;
-use crate::error::SceneError;
+use crate::error::{SceneError, abbreviate};
+use crate::import::importer::Importer;
 use crate::import::surface::{self, RawMesh};
-use crate::import::{Importer, limit};
 
 /// The meshes of a glTF mesh, one a primitive that has triangles.
 pub(super) fn meshes(
@@ -21,7 +21,7 @@ pub(super) fn meshes(
 ) -> Result<Vec<usize>, SceneError> {
     let mesh = &document.root.meshes[index];
     let name = mesh.name.clone().unwrap_or_else(|| format!("mesh {index}"));
-    let name = crate::description::parse::abbreviate(&name);
+    let name = abbreviate(&name);
     let mut meshes = Vec::new();
     for (i, primitive) in mesh.primitives.iter().enumerate() {
         let reader = Reader {
@@ -107,13 +107,7 @@ impl<'a> Reader<'a> {
         let corners = triangles(mode, &self.corners(vertices, importer)?);
         // Shared accessors could make a small file into endless work: every triangle counts,
         // dropped ones too.
-        importer.raw_triangles += (corners.len() / 3) as u64;
-        limit(
-            &file.path,
-            "the number of triangles",
-            importer.raw_triangles,
-            importer.limits.triangles,
-        )?;
+        importer.count_raw_triangles(&file.path, corners.len() / 3)?;
         let (used, indices) = compact(&corners, vertices);
 
         let pick3 = |accessor: &Accessor| {

@@ -4,11 +4,10 @@ use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
-use super::File;
-use crate::description::parse::abbreviate;
-use crate::error::SceneError;
+use super::file::File;
+use crate::error::{SceneError, abbreviate};
 use crate::files::why_not_relative;
-use crate::import::Importer;
+use crate::import::importer::Importer;
 
 /// Exporters disagree on padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(

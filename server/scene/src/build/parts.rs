@@ -1,115 +1,25 @@
-//! From a description to the scene that the renderer takes.
+//! The scene of a description, part by part: units, defaults, either pair of coefficients.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
+use super::tracks;
 use crate::description::media::Coefficients;
-use crate::description::render::Technique;
+use crate::description::values::unit;
 use crate::description::{
-    Bounds, CameraDescription, GeometryDescription, LightDescription, MediumDescription,
-    RenderDescription, Rgb, SceneDescription,
+    CameraDescription, LightDescription, MediumDescription, RenderDescription, Rgb,
+    SceneDescription,
 };
 use crate::error::SceneError;
-use crate::files::Folder;
-use crate::geometry::{Geometry, SharedGeometry};
-use crate::import::{self, Assets, Imported};
-use crate::limits::Limits;
+use crate::import::Assets;
 use crate::scene::{
-    Aabb, Camera, CorrectionMode, DirectionalLight, Environment, Light, Medium, MediumShape,
-    PointLight, ReferenceSettings, RenderSettings, Scene, ShadowSettings, SingleScatteringSettings,
-    SpotLight, StopRule,
+    Camera, CorrectionMode, DirectionalLight, Environment, Light, Medium, MediumShape, PointLight,
+    RenderSettings, Scene, SharedGeometry, SpotLight, StopRule, Technique,
 };
-use crate::tracks;
-use crate::validate;
 
 /// Samples a pixel if the description names no stop rule.
 const DEFAULT_SAMPLES: u32 = 64;
-
-/// A scene together with what it was made from.
-#[derive(Debug, Clone)]
-pub struct Loaded {
-    /// The description. Lights of glTF files have moved into `lights`, and `import_lights` is
-    /// off, so that building it again gives the same scene.
-    pub description: SceneDescription,
-    /// What the renderer takes.
-    pub scene: Scene,
-    /// What was left out or approximated, one sentence each.
-    pub warnings: Vec<String>,
-}
-
-/// Validates a description, reads its files from `folder` and builds the scene.
-///
-/// Without a folder the description may not refer to files.
-///
-/// # Errors
-/// [`SceneError`] with the JSON path of what is wrong.
-pub fn build(description: SceneDescription, folder: Option<&Path>) -> Result<Loaded, SceneError> {
-    build_with(description, folder, &Limits::default())
-}
-
-/// [`build`] with other limits.
-///
-/// # Errors
-/// [`SceneError`] with the JSON path of what is wrong.
-pub fn build_with(
-    description: SceneDescription,
-    folder: Option<&Path>,
-    limits: &Limits,
-) -> Result<Loaded, SceneError> {
-    with_file_camera(description, folder, limits).map(|(loaded, _)| loaded)
-}
-
-/// [`build_with`], and the first perspective camera of the files.
-pub(crate) fn with_file_camera(
-    mut description: SceneDescription,
-    folder: Option<&Path>,
-    limits: &Limits,
-) -> Result<(Loaded, Option<CameraDescription>), SceneError> {
-    validate::description(&description, limits)?;
-    let folder = Folder::open(folder, limits)?;
-    let mut imported = import::geometry(&description.geometry, &folder, limits)?;
-    let file_camera = imported.camera.take();
-    let (geometry, mut warnings) = adopt(&mut description, imported, limits)?;
-    let assets = Assets::load(&description, &folder, limits, &mut warnings)?;
-    let scene = scene(
-        &description,
-        SharedGeometry(Arc::new(geometry)),
-        assets,
-        0.0,
-    )?;
-    let loaded = Loaded {
-        description,
-        scene,
-        warnings,
-    };
-    Ok((loaded, file_camera))
-}
-
-/// Moves the lights of glTF files into the description.
-fn adopt(
-    description: &mut SceneDescription,
-    imported: Imported,
-    limits: &Limits,
-) -> Result<(Geometry, Vec<String>), SceneError> {
-    let has_files = |entry: &GeometryDescription| matches!(entry, GeometryDescription::Gltf(gltf) if gltf.import_lights);
-    if description.geometry.iter().any(has_files) {
-        for entry in Arc::make_mut(&mut description.geometry) {
-            if let GeometryDescription::Gltf(gltf) = entry {
-                gltf.import_lights = false;
-            }
-        }
-    }
-    for (entry, light) in imported.lights {
-        let path = format!("geometry[{entry}].path");
-        validate::light_can_arrive(&light, &path, &description.media)?;
-        description.lights.push(light);
-    }
-    // The file's lights keep the same rules as written ones.
-    validate::all_but_geometry(description, limits)?;
-    Ok((imported.geometry, imported.warnings))
-}
 
 /// The scene of a validated description with given geometry and files, at a time. Unit: s.
 pub(crate) fn scene(
@@ -143,7 +53,7 @@ fn camera(camera: &CameraDescription) -> Camera {
     Camera {
         position: DVec3::from_array(camera.position),
         target: DVec3::from_array(camera.target),
-        up: unit(camera.up),
+        up: unit(camera.up).as_vec3(),
         vertical_fov: camera.vertical_fov_degrees.to_radians() as f32,
         exposure_ev: camera.exposure_ev as f32,
     }
@@ -161,7 +71,7 @@ fn light(light: &LightDescription) -> Option<Light> {
         LightDescription::Spot(light) => Light::Spot(SpotLight {
             name: light.name.clone().unwrap_or_default(),
             position: DVec3::from_array(light.position),
-            direction: unit(light.direction),
+            direction: unit(light.direction).as_vec3(),
             intensity: rgb(light.intensity),
             inner_angle: light.inner_angle_degrees.to_radians() as f32,
             outer_angle: light.outer_angle_degrees.to_radians() as f32,
@@ -170,7 +80,7 @@ fn light(light: &LightDescription) -> Option<Light> {
         }),
         LightDescription::Directional(light) => Light::Directional(DirectionalLight {
             name: light.name.clone().unwrap_or_default(),
-            direction: unit(light.direction),
+            direction: unit(light.direction).as_vec3(),
             irradiance: rgb(light.irradiance),
             casts_shadows: light.casts_shadows,
         }),
@@ -225,28 +135,15 @@ fn render(render: &RenderDescription) -> RenderSettings {
         (samples, None, None) => StopRule::Samples(samples.unwrap_or(DEFAULT_SAMPLES)),
     };
     RenderSettings {
-        technique: render.technique.into(),
+        technique: render.technique,
         width: render.width,
         height: render.height,
         stop,
         correction: correction(render),
         seed: render.seed,
-        single_scattering: SingleScatteringSettings {
-            steps: render.single_scattering.steps,
-            jitter: render.single_scattering.jitter,
-            interleave: render.single_scattering.interleave,
-            half_resolution: render.single_scattering.half_resolution,
-            equiangular: render.single_scattering.equiangular,
-        },
-        reference: ReferenceSettings {
-            max_scatterings: render.reference.max_scatterings,
-            max_surface_scatterings: render.reference.max_surface_scatterings,
-            medium_order: render.reference.medium_order.into(),
-        },
-        shadows: ShadowSettings {
-            mode: render.shadows.mode.into(),
-            resolution: render.shadows.resolution,
-        },
+        single_scattering: render.single_scattering,
+        reference: render.reference,
+        shadows: render.shadows,
     }
 }
 
@@ -254,7 +151,7 @@ fn render(render: &RenderDescription) -> RenderSettings {
 /// technique's is corrected.
 fn correction(render: &RenderDescription) -> CorrectionMode {
     match (render.correction, render.technique) {
-        (Some(mode), _) => mode.into(),
+        (Some(mode), _) => mode,
         (None, Technique::Reference) => CorrectionMode::Off,
         (None, _) => CorrectionMode::Always,
     }
@@ -262,17 +159,4 @@ fn correction(render: &RenderDescription) -> CorrectionMode {
 
 fn rgb(Rgb(channels): Rgb) -> [f32; 3] {
     channels.map(|channel| channel as f32)
-}
-
-/// The unit vector along a validated direction, which is never short.
-pub(crate) fn unit(direction: [f64; 3]) -> Vec3 {
-    let direction = DVec3::from_array(direction);
-    (direction / direction.length()).as_vec3()
-}
-
-pub(crate) fn aabb(bounds: &Bounds) -> Aabb {
-    Aabb {
-        min: DVec3::from_array(bounds.min),
-        max: DVec3::from_array(bounds.max),
-    }
 }

@@ -5,9 +5,8 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, Vec3};
 
-use crate::animation::{Placement, Track};
-use crate::hull::Hull;
-use crate::scene::Aabb;
+use super::space::{Aabb, Hull};
+use super::tracks::{Placement, Track};
 
 /// Geometry shared between scenes that differ in camera, lights or media only.
 ///
@@ -76,7 +75,7 @@ impl Geometry {
     pub fn bounds(&self) -> Option<Aabb> {
         let mut hull = Hull::default();
         for instance in &self.instances {
-            hull.add_mesh(&self.surfaces, instance);
+            self.surfaces.grow(&mut hull, instance);
         }
         hull.padded()
     }
@@ -97,7 +96,7 @@ impl Geometry {
         }
         for (instance, moves) in self.instances.iter().zip(moves) {
             if !moves {
-                hull.add_mesh(&self.surfaces, instance);
+                self.surfaces.grow(&mut hull, instance);
             }
         }
         hull.padded()
@@ -173,6 +172,13 @@ impl Surfaces {
             };
             self.meshes.iter().map(bounds).collect()
         })
+    }
+
+    /// Adds the box of an instance's mesh, as it is placed.
+    fn grow(&self, hull: &mut Hull, instance: &Instance) {
+        if let Some(bounds) = &self.mesh_bounds()[instance.mesh] {
+            hull.add_placed(bounds, &instance.world_from_object);
+        }
     }
 }
 

@@ -1,9 +1,15 @@
-//! Boxes that grow around points.
+//! Boxes in space, how they grow around points, and which maps of space can be inverted.
 
 use glam::{BVec3, DAffine3, DVec3};
 
-use crate::geometry::{Instance, Surfaces};
-use crate::scene::Aabb;
+/// Axis-aligned box, `min < max` in every component. Unit: m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Aabb {
+    /// Lowest corner.
+    pub min: DVec3,
+    /// Highest corner.
+    pub max: DVec3,
+}
 
 /// The corners of a box.
 pub(crate) fn box_corners(min: DVec3, max: DVec3) -> [DVec3; 8] {
@@ -30,13 +36,6 @@ impl Hull {
         }
     }
 
-    /// Adds the box of an instance's mesh.
-    pub(crate) fn add_mesh(&mut self, surfaces: &Surfaces, instance: &Instance) {
-        if let Some(bounds) = &surfaces.mesh_bounds()[instance.mesh] {
-            self.add_placed(bounds, &instance.world_from_object);
-        }
-    }
-
     /// The box as it is, flat ones flat.
     pub(crate) fn bounds(self) -> Option<Aabb> {
         self.0.map(|(min, max)| Aabb { min, max })
@@ -54,4 +53,15 @@ impl Hull {
         }
         Some(Aabb { min, max })
     }
+}
+
+/// Whether a map is finite and its determinant is not lost in rounding.
+pub(crate) fn is_invertible(map: &DAffine3) -> bool {
+    let linear = &map.matrix3;
+    let longest = [linear.x_axis, linear.y_axis, linear.z_axis]
+        .map(DVec3::length)
+        .into_iter()
+        .fold(0.0, f64::max);
+    let determinant = linear.determinant();
+    map.is_finite() && determinant.is_finite() && determinant.abs() > 1e-12 * longest.powi(3)
 }

@@ -1,4 +1,4 @@
-//! Equirectangular radiance maps, and how to choose directions where they are bright.
+//! Radiance from infinity: equirectangular maps, and how to choose directions where they are bright.
 //!
 //! Map coordinates: u in [0, 1) runs from left to right, v in [0, 1] from the top; pixel (x, y)
 //! covers u from x/width and v from y/height. With φ = 2π(u − ½) and θ = πv the direction is
@@ -9,6 +9,18 @@ use std::fmt;
 use std::sync::Arc;
 
 use glam::DVec3;
+
+/// Radiance from infinity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Environment {
+    /// Multiplies the map, or is the radiance itself. Unit: W·m⁻²·sr⁻¹.
+    pub radiance: [f32; 3],
+    /// Equirectangular map, if any.
+    pub map: Option<EnvironmentMap>,
+    /// Rotation of the map about +Y: a direction of the world is this rotation times a direction of
+    /// the map, so a positive angle turns −Z toward −X. Unit: radian.
+    pub rotation: f32,
+}
 
 /// Equirectangular radiance map; row 0 looks up (+Y), the centre column looks along −Z, and the
 /// columns right of it toward +X.

@@ -1,16 +1,12 @@
-//! What moves: tracks of keys, and a scene at a time.
+//! Tracks: states at growing times, and the state in between.
 //!
 //! Between two keys positions, scales and fields of view change linearly, directions and rotations
 //! along the shortest arc at a constant rate (Shoemake 1985). Before the first key and after the
 //! last a track stands still; a scene with a period starts over after it. All in f64.
 
-use std::sync::Arc;
-
 use glam::{DAffine3, DQuat, DVec3};
 
 use crate::error::SceneError;
-use crate::scene::{Light, Scene};
-use crate::validate::check_time;
 
 /// A state that a track interpolates.
 pub trait Interpolate: Copy {
@@ -84,7 +80,7 @@ impl<K: Interpolate> Track<K> {
     }
 
     /// The time of the last key. Unit: s.
-    fn end(&self) -> f64 {
+    pub(super) fn end(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
     }
 }
@@ -195,111 +191,5 @@ impl Interpolate for Placement {
 
     fn is_finite(self) -> bool {
         self.translation.is_finite() && self.rotation.is_finite() && self.scale.is_finite()
-    }
-}
-
-/// How a light moves.
-#[derive(Debug, Clone, PartialEq)]
-pub enum LightTrack {
-    /// A point light's position. Unit: m.
-    Point(Track<DVec3>),
-    /// A spot light's pose.
-    Spot(Track<SpotKey>),
-    /// A directional light's direction.
-    Directional(Track<Direction>),
-}
-
-impl LightTrack {
-    fn end(&self) -> f64 {
-        match self {
-            Self::Point(track) => track.end(),
-            Self::Spot(track) => track.end(),
-            Self::Directional(track) => track.end(),
-        }
-    }
-
-    /// Puts a light of the track's kind where it is at a time.
-    fn place(&self, light: &mut Light, seconds: f64) {
-        match (self, light) {
-            (Self::Point(track), Light::Point(light)) => light.position = track.at(seconds),
-            (Self::Spot(track), Light::Spot(light)) => {
-                let key = track.at(seconds);
-                light.position = key.position;
-                light.direction = key.direction.0.as_vec3();
-            }
-            (Self::Directional(track), Light::Directional(light)) => {
-                light.direction = track.at(seconds).0.as_vec3();
-            }
-            _ => {}
-        }
-    }
-}
-
-/// How camera and lights move, and when everything starts over.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Animation {
-    /// The camera's track.
-    pub camera: Option<Track<CameraKey>>,
-    /// Index into `Scene::lights`, and that light's track.
-    pub lights: Vec<(usize, LightTrack)>,
-    /// After which everything starts over, instances included; `None` stands still after the last
-    /// key. Unit: s; > 0.
-    pub period: Option<f64>,
-}
-
-impl Scene {
-    /// The scene at a time. Surfaces, grids and maps are shared, and so are the placements if no
-    /// instance stands elsewhere. Cost: one product an instance that moves. Unit: s.
-    ///
-    /// # Errors
-    /// [`SceneError::Invalid`] unless `seconds` is from 0 to 1e6.
-    pub fn at(&self, seconds: f64) -> Result<Self, SceneError> {
-        check_time("time_seconds", seconds)?;
-        let mut scene = self.clone();
-        scene.time_seconds = seconds;
-        let animation = self.animation.as_deref();
-        let local = match animation.and_then(|animation| animation.period) {
-            Some(period) => seconds.rem_euclid(period),
-            None => seconds,
-        };
-        if let Some(animation) = animation {
-            if let Some(track) = &animation.camera {
-                let key = track.at(local);
-                scene.camera.position = key.position;
-                scene.camera.target = key.target;
-                scene.camera.vertical_fov = key.vertical_fov as f32;
-            }
-            for (index, track) in &animation.lights {
-                if let Some(light) = scene.lights.get_mut(*index) {
-                    track.place(light, local);
-                }
-            }
-        }
-        if let Some(geometry) = self.geometry.at(local) {
-            scene.geometry.0 = Arc::new(geometry);
-        }
-        Ok(scene)
-    }
-
-    /// The time after which the scene starts over or stands still; `None` if nothing moves.
-    /// Unit: s.
-    pub fn duration_seconds(&self) -> Option<f64> {
-        let animation = self.animation.as_deref();
-        let camera = animation.and_then(|animation| animation.camera.as_ref());
-        let lights = animation.into_iter().flat_map(|a| &a.lights);
-        let tracks = self.geometry.tracks.iter();
-        let ends = camera
-            .map(Track::end)
-            .into_iter()
-            .chain(lights.map(|(_, track)| track.end()))
-            .chain(tracks.map(|track| track.placement.end()));
-        let end = ends.reduce(f64::max)?;
-        Some(animation.and_then(|a| a.period).unwrap_or(end))
-    }
-
-    /// Whether the scene starts over after [`Self::duration_seconds`].
-    pub fn repeats(&self) -> bool {
-        let animation = self.animation.as_deref();
-        animation.is_some_and(|animation| animation.period.is_some())
     }
 }

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
-use crate::animation::{Animation, CameraKey, Direction, LightTrack, SpotKey, Track};
+use crate::description::values::unit;
 use crate::description::{CameraDescription, LightDescription, SceneDescription};
 use crate::error::SceneError;
+use crate::scene::{Animation, CameraKey, Direction, LightTrack, SpotKey, Track};
 
 /// How camera and lights of a validated description move, and its period; `None` without either.
 pub(crate) fn animation(description: &SceneDescription) -> Result<Option<Animation>, SceneError> {
@@ -51,7 +52,7 @@ fn lights(lights: &[LightDescription]) -> Result<Vec<(usize, LightTrack)>, Scene
                 let keys = light.keyframes.iter().map(|key| {
                     let state = SpotKey {
                         position: DVec3::from_array(key.position),
-                        direction: unit(key.direction),
+                        direction: Direction(unit(key.direction)),
                     };
                     (key.time_seconds, state)
                 });
@@ -59,7 +60,7 @@ fn lights(lights: &[LightDescription]) -> Result<Vec<(usize, LightTrack)>, Scene
             }
             LightDescription::Directional(light) if !light.keyframes.is_empty() => {
                 let keys = light.keyframes.iter();
-                let keys = keys.map(|key| (key.time_seconds, unit(key.direction)));
+                let keys = keys.map(|key| (key.time_seconds, Direction(unit(key.direction))));
                 Some(LightTrack::Directional(Track::new(&path, keys)?))
             }
             LightDescription::Environment(_) => continue,
@@ -69,9 +70,4 @@ fn lights(lights: &[LightDescription]) -> Result<Vec<(usize, LightTrack)>, Scene
         index += 1;
     }
     Ok(tracks)
-}
-
-fn unit(direction: [f64; 3]) -> Direction {
-    let direction = DVec3::from_array(direction);
-    Direction(direction / direction.length())
 }
