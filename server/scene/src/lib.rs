@@ -6,7 +6,6 @@
 //! checked before use, and refused with an error that names its cause.
 
 mod build;
-mod change;
 pub mod description;
 mod edit;
 mod error;
@@ -23,7 +22,6 @@ mod schema;
 mod validate;
 
 pub use build::{Loaded, build, build_with};
-pub use change::ChangeSet;
 pub use description::SceneDescription;
 pub use description::parse::parse_json;
 pub use edit::{SceneEdit, apply_edit};
