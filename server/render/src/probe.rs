@@ -5,7 +5,7 @@ use crate::error::RenderError;
 use crate::programs::{Bindings, Constants, Programs, RasterTargets};
 use crate::readback::read_now;
 use crate::targets::GBUFFER_FORMATS;
-use tyndall_shaders::{Stage, types};
+use tyndall_shaders::{Shader, Stage, types};
 
 /// How many of what a probe is built for.
 #[derive(Debug, Clone, Copy, Default)]
@@ -19,7 +19,7 @@ pub struct Counts {
 /// [`run_for`] with `medium_count` media and nothing else.
 pub fn run(
     device: &Device,
-    shader: &str,
+    shader: &'static Shader,
     medium_count: u32,
     buffers: &[(&'static str, &[u8])],
     output_bytes: u64,
@@ -32,18 +32,18 @@ pub fn run(
     run_for(device, shader, counts, buffers, output_bytes, workgroups)
 }
 
-/// Runs compute permutation `shader`, built for so many things, over `workgroups` × 1 × 1 with read-only `buffers` by name, and
-/// returns the bytes of its buffer `outputs`, which starts at zero.
+/// Runs a compute shader, of whatever table, built for so many things, over `workgroups` × 1 × 1 with
+/// read-only `buffers` by name, and returns the bytes of its buffer `outputs`, which starts at zero.
 pub fn run_for(
     device: &Device,
-    shader: &str,
+    shader: &'static Shader,
     counts: Counts,
     buffers: &[(&'static str, &[u8])],
     output_bytes: u64,
     workgroups: u32,
 ) -> Result<Vec<u8>, RenderError> {
     let programs = Programs::default();
-    let program = programs.compute(
+    let program = programs.compute_of(
         device,
         shader,
         Constants {
@@ -93,6 +93,13 @@ pub fn run_for(
     encoder.copy_buffer_to_buffer(&outputs, 0, &staging, 0, None);
     device.queue.submit([encoder.finish()]);
     read_now(device, &staging)
+}
+
+/// Builds the pipeline of a compute shader, of whatever table.
+pub fn build(device: &Device, shader: &'static Shader) -> Result<(), RenderError> {
+    Programs::default()
+        .compute_of(device, shader, Constants::default())
+        .map(|_| ())
 }
 
 /// Builds the pipeline of every permutation; returns the names of those that fail, with the reason.

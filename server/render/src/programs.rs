@@ -190,7 +190,16 @@ impl Programs {
         name: &str,
         constants: Constants,
     ) -> Result<Arc<ComputeProgram>, RenderError> {
-        let shader = find(name)?;
+        self.compute_of(device, find(name)?, constants)
+    }
+
+    /// The compute pipeline of `shader`, built if this is its first use.
+    pub fn compute_of(
+        &self,
+        device: &Device,
+        shader: &'static Shader,
+        constants: Constants,
+    ) -> Result<Arc<ComputeProgram>, RenderError> {
         let key = (shader.name, constants.of(shader));
         if let Some(program) = self.compute.borrow().get(&key) {
             return Ok(Arc::clone(program));
@@ -204,7 +213,7 @@ impl Programs {
         let pipeline = device
             .device
             .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(name),
+                label: Some(shader.name),
                 layout: None,
                 module: &module,
                 entry_point: Some("main"),
