@@ -8,6 +8,8 @@ use tyndall_render::{Device, DeviceOptions, Renderer, Still, probe};
 use tyndall_scene::description::render::CorrectionMode;
 use tyndall_scene::{Loaded, Scene, SceneDescription};
 
+use crate::probes;
+
 /// Opens the best adapter there is: the software driver, unless a test machine has a GPU.
 pub fn device() -> Device {
     Device::open(&DeviceOptions::default())
@@ -60,10 +62,10 @@ pub fn image(still: &Still) -> Image {
         .expect("a still has its pixels")
 }
 
-/// Runs a probe built for `medium_count` media and returns `count` vectors.
+/// Runs the probe `name` built for `medium_count` media and returns `count` vectors.
 pub fn probe_vec4(
     device: &Device,
-    shader: &str,
+    name: &str,
     medium_count: u32,
     buffers: &[(&'static str, &[u8])],
     count: usize,
@@ -71,7 +73,7 @@ pub fn probe_vec4(
     let workgroups = (count as u32).div_ceil(64);
     let bytes = probe::run(
         device,
-        shader,
+        probes::named(name),
         medium_count,
         buffers,
         count as u64 * 16,

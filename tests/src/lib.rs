@@ -8,6 +8,7 @@ pub mod grid_file;
 pub mod npz;
 pub mod pass_times;
 pub mod picture_z;
+pub mod probes;
 pub use tyndall_bench::pm_ref;
 pub mod published;
 pub mod shared_folder;

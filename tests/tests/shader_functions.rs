@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use tyndall_render::probe;
-use tyndall_tests::gpu;
+use tyndall_tests::{gpu, probes};
 
 #[test]
 fn one_minus_exp_neg_keeps_its_digits_from_1e_minus_8_to_1e4() {
@@ -161,7 +161,7 @@ fn henyey_greenstein_matches_f64_at_every_g_and_at_one_milliradian() {
     }
     let bytes = probe::run(
         &device,
-        "probe_phase",
+        probes::named("probe_phase"),
         0,
         &[("inputs", bytemuck::cast_slice(&inputs))],
         expected.len() as u64 * 4,
@@ -194,7 +194,7 @@ fn henyey_greenstein_integrates_to_one_with_mean_cosine_g() {
         }
         let bytes = probe::run(
             &device,
-            "probe_phase",
+            probes::named("probe_phase"),
             0,
             &[("inputs", bytemuck::cast_slice(&inputs))],
             u64::from(count as u32) * 4,

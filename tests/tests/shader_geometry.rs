@@ -3,7 +3,7 @@
 use glam::{DVec3, DVec4};
 use serde_json::json;
 use tyndall_render::probe;
-use tyndall_tests::gpu;
+use tyndall_tests::{gpu, probes};
 
 #[test]
 fn the_rasterizer_and_the_rays_agree_on_where_a_pixel_looks() {
@@ -96,7 +96,15 @@ fn bvh_traversal_agrees_with_testing_every_triangle() {
         ("bvh_vertices", &vertices),
         ("inputs", bytemuck::cast_slice(&inputs)),
     ];
-    let bytes = probe::run(&device, "probe_bvh", 0, &buffers, rays.len() as u64 * 4, 32).unwrap();
+    let bytes = probe::run(
+        &device,
+        probes::named("probe_bvh"),
+        0,
+        &buffers,
+        rays.len() as u64 * 4,
+        32,
+    )
+    .unwrap();
     let found: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
     let (mut differ, mut hits) = (0, 0);
     for ((origin, direction, limit), found) in rays.iter().zip(&found) {

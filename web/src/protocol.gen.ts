@@ -1,5 +1,5 @@
 // Generated from server/stream/src/protocol.rs and server/scene; do not edit.
-// TYNDALL_BLESS=1 cargo test -p tyndall-stream --test typescript
+// TYNDALL_BLESS=1 cargo test -p tyndall-stream typescript
 
 export const PROTOCOL_VERSION = 1;
 export const HEADER_VERSION = 1;

@@ -3,7 +3,7 @@
 use crate::engine::{Bindings, Constants, Device, Pipelines, read_now};
 use crate::error::RenderError;
 use crate::stages::{shadow_maps, surfaces};
-use tyndall_shaders::{Stage, types};
+use tyndall_shaders::{Shader, Stage, types};
 
 /// How many of what a probe is built for.
 #[derive(Debug, Clone, Copy, Default)]
@@ -17,7 +17,7 @@ pub struct Counts {
 /// [`run_for`] with `medium_count` media and nothing else.
 pub fn run(
     device: &Device,
-    shader: &str,
+    shader: &'static Shader,
     medium_count: u32,
     buffers: &[(&'static str, &[u8])],
     output_bytes: u64,
@@ -30,11 +30,11 @@ pub fn run(
     run_for(device, shader, counts, buffers, output_bytes, workgroups)
 }
 
-/// Runs compute permutation `shader`, built for so many things, over `workgroups` × 1 × 1 with read-only `buffers` by name, and
-/// returns the bytes of its buffer `outputs`, which starts at zero.
+/// Runs a compute shader, of whatever table, built for so many things, over `workgroups` × 1 × 1 with
+/// read-only `buffers` by name, and returns the bytes of its buffer `outputs`, which starts at zero.
 pub fn run_for(
     device: &Device,
-    shader: &str,
+    shader: &'static Shader,
     counts: Counts,
     buffers: &[(&'static str, &[u8])],
     output_bytes: u64,
@@ -43,7 +43,7 @@ pub fn run_for(
     let constants = Constants::default()
         .number("MEDIUM_COUNT", counts.media)
         .number("EMITTER_COUNT", counts.emitters);
-    let program = Pipelines::default().compute(device, shader, &constants)?;
+    let program = Pipelines::default().compute_of(device, shader, &constants)?;
     let buffer = |size: u64, usage: wgpu::BufferUsages| {
         device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("probe"),
@@ -85,6 +85,13 @@ pub fn run_for(
     encoder.copy_buffer_to_buffer(&outputs, 0, &staging, 0, None);
     device.queue.submit([encoder.finish()]);
     read_now(device, &staging)
+}
+
+/// Builds the pipeline of a compute shader, of whatever table.
+pub fn build(device: &Device, shader: &'static Shader) -> Result<(), RenderError> {
+    Pipelines::default()
+        .compute_of(device, shader, &Constants::default())
+        .map(|_| ())
 }
 
 /// Builds the pipeline of every permutation; returns the names of those that fail, with the reason.

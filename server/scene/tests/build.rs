@@ -6,11 +6,9 @@
     reason = "helpers of tests, too, fail by unwrapping and say what they skip"
 )]
 
-mod support;
-
+use crate::support::shared;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
-use support::shared;
 use tyndall_scene::{
     Light, Loaded, MediumShape, Mesh, SceneDescription, StopRule, build, facts, load,
 };

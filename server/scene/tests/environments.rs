@@ -6,13 +6,11 @@
     reason = "helpers of tests, too, fail by unwrapping and say what they skip"
 )]
 
-mod support;
-
 use std::path::Path;
 
+use crate::support::{shared, walk};
 use exr::prelude::{WritableImage, f16};
 use serde_json::{Value, json};
-use support::{shared, walk};
 use tyndall_scene::{
     EnvironmentDistribution, EnvironmentMap, Limits, Loaded, SceneDescription, SceneEdit,
     SceneError, apply_edit, build_with,

@@ -6,11 +6,9 @@
     reason = "helpers of tests, too, fail by unwrapping and say what they skip"
 )]
 
-mod support;
-
 use std::path::{Path, PathBuf};
 
-use support::{shared, walk};
+use crate::support::{shared, walk};
 use tyndall_scene::{Loaded, SceneError, facts, load};
 
 fn models(folder: &Path) -> Vec<PathBuf> {

@@ -6,14 +6,12 @@
     reason = "helpers of tests, too, fail by unwrapping and say what they skip"
 )]
 
-mod support;
-
 use std::io::Write as _;
 use std::path::Path;
 
+use crate::support::shared;
 use glam::DVec3;
 use serde_json::{Value, json};
-use support::shared;
 use tyndall_scene::{
     Limits, Loaded, MediumShape, SceneDescription, SceneEdit, SceneError, SharedGrid, apply_edit,
     build_with, facts,

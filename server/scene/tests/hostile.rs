@@ -6,13 +6,11 @@
     reason = "helpers of tests, too, fail by unwrapping and say what they skip"
 )]
 
-mod support;
-
 use std::path::Path;
 
+use crate::support::glb;
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use support::glb;
 use tyndall_scene::{Limits, SceneDescription, SceneError, load, load_with, presets};
 
 /// One triangle: three positions, then three 16-bit indices.

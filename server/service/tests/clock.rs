@@ -1,12 +1,10 @@
 //! Sessions whose scene moves: the clock runs, stands, is set, and refuses what is no time.
 
-mod support;
-
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use crate::support::{Client, Server, hello, start};
 use serde_json::{Value, json};
-use support::{Client, Server, hello, start};
 use tyndall_scene::{Loaded, SceneDescription, build};
 
 /// A box that slides for `period` seconds and starts over, finished after two samples.

@@ -1,9 +1,7 @@
 //! HTTP: addresses, errors, access.
 
-mod support;
-
+use crate::support::{self, Client, hello, options, scene, start, start_with};
 use serde_json::{Value, json};
-use support::{Client, hello, options, scene, start, start_with};
 use tyndall_service::ServeError;
 use tyndall_stream::protocol::ErrorCode;
 

@@ -5,10 +5,8 @@
     reason = "a test that unwraps says where it failed"
 )]
 
-mod support;
-
+use crate::support::{Client, camera, hello, scene, start_real};
 use serde_json::json;
-use support::{Client, camera, hello, scene, start_real};
 use tyndall_stream::header::Codec;
 
 /// Mean of the red channel of a PNG.

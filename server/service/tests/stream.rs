@@ -1,13 +1,11 @@
 //! Conversations over a real socket with a renderer that keeps time but draws nothing.
 
-mod support;
-
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use crate::support::{self, Client, camera, frames, hello, scene, start, start_with};
 use futures_util::SinkExt as _;
 use serde_json::json;
-use support::{Client, camera, frames, hello, scene, start, start_with};
 use tokio_tungstenite::tungstenite::Message;
 use tyndall_stream::header::Codec;
 

@@ -1,6 +1,6 @@
 //! `web/src/protocol.gen.ts` says what the Rust types say.
 //!
-//! `TYNDALL_BLESS=1 cargo test -p tyndall-stream --test typescript` writes the file.
+//! `TYNDALL_BLESS=1 cargo test -p tyndall-stream typescript` writes the file.
 
 use std::any::TypeId;
 use std::collections::{BTreeMap, HashSet};
@@ -46,7 +46,7 @@ fn generate() -> String {
     let body: Vec<String> = declarations.by_name.into_values().collect();
     format!(
         "// Generated from server/stream/src/protocol.rs and server/scene; do not edit.\n\
-         // TYNDALL_BLESS=1 cargo test -p tyndall-stream --test typescript\n\n\
+         // TYNDALL_BLESS=1 cargo test -p tyndall-stream typescript\n\n\
          export const PROTOCOL_VERSION = {PROTOCOL_VERSION};\n\
          export const HEADER_VERSION = {HEADER_VERSION};\n\
          export const HEADER_BYTES = {HEADER_BYTES};\n\
@@ -72,7 +72,7 @@ fn typescript_types_have_not_drifted() {
     assert!(
         found == generated,
         "web/src/protocol.gen.ts does not match the Rust types; write it with \
-         TYNDALL_BLESS=1 cargo test -p tyndall-stream --test typescript"
+         TYNDALL_BLESS=1 cargo test -p tyndall-stream typescript"
     );
 }
 

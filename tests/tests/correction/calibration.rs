@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::gains::{BASES, climb};
+use super::gains::{BASES, climb};
 
 /// A line more of a text.
 macro_rules! put {

@@ -7,7 +7,7 @@ use tyndall_render::Still;
 use tyndall_scene::{CorrectionMode, Scene, StopRule, Technique};
 use tyndall_tests::{gpu, published};
 
-use crate::interactive;
+use super::interactive;
 
 /// Samples a pixel.
 const LADDER: [u32; 3] = [1, 4, 16];

@@ -6,8 +6,8 @@ use tyndall_metrics::{
 use tyndall_scene::{CorrectionMode, StopRule};
 use tyndall_tests::{gpu, published};
 
-use crate::gains::{BASES, climb};
-use crate::interactive;
+use super::gains::{BASES, climb};
+use super::interactive;
 
 /// After many samples it is as far from the traced picture as that is from the truth, at most, and its
 /// blocks lie about those of the truth without bias.

@@ -10,7 +10,7 @@ use tyndall_render::{RenderOutcome, Renderer, View};
 use tyndall_scene::{CorrectionMode, Light, Scene, StopRule, Technique, presets};
 use tyndall_tests::{gpu, published};
 
-use crate::interactive;
+use super::interactive;
 
 /// A scene whose camera walks sideways, small enough to be traced often.
 fn walk(scene: &Scene, step: u32) -> Arc<Scene> {

@@ -8,12 +8,12 @@ use serde_json::{Value, json};
 use tyndall_render::probe;
 use tyndall_scene::EnvironmentMap;
 use tyndall_tests::chi_squared::{assert_fits, bin};
-use tyndall_tests::gpu;
+use tyndall_tests::{gpu, probes};
 
 use super::{COUNT, DEVICE, assert_density, direction};
 
 fn pairs(
-    shader: &str,
+    name: &str,
     emitters: u32,
     buffers: &[(&'static str, &[u8])],
     count: usize,
@@ -22,7 +22,7 @@ fn pairs(
     let workgroups = (count as u32).div_ceil(64);
     let bytes = probe::run_for(
         &DEVICE,
-        shader,
+        probes::named(name),
         counts,
         buffers,
         count as u64 * 32,

@@ -1,5 +1,5 @@
 //! Helpers of the import tests.
-#![allow(dead_code, reason = "each test file uses its own part")]
+
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,

@@ -1,6 +1,6 @@
 //! A renderer that keeps time but draws nothing, a server on a free port, and a client.
 
-#![allow(dead_code, reason = "each test file uses its part")]
+#![allow(dead_code, reason = "each binary uses its part")]
 #![allow(
     clippy::unwrap_used,
     clippy::missing_panics_doc,

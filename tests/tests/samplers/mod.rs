@@ -24,7 +24,7 @@ static DEVICE: LazyLock<Device> = LazyLock::new(gpu::device);
 /// Samples of a test.
 pub const COUNT: usize = 1 << 17;
 
-/// Samplers of `probes/sampling.wesl`.
+/// Samplers of `tests/probes/sampling.wesl`.
 #[derive(Debug, Clone, Copy)]
 #[allow(missing_docs, reason = "named as the shader's functions")]
 pub enum Which {

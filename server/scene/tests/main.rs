@@ -1,0 +1,12 @@
+//! Descriptions, files and what becomes of them, as modules of one binary: linking is most of its cost.
+
+mod animation;
+mod build;
+mod environments;
+mod gltf_files;
+mod grids;
+mod hostile;
+mod presets;
+mod schema;
+mod support;
+mod validation;

@@ -1,0 +1,8 @@
+//! The service over real sockets, as modules of one binary. `quiet.rs` is another: it measures the
+//! threads of its process.
+
+mod clock;
+mod http;
+mod lavapipe;
+mod stream;
+mod support;

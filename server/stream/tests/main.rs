@@ -1,0 +1,7 @@
+//! Messages, header, pacing and encoders, as modules of one binary: linking is most of its cost.
+
+mod encode;
+mod header;
+mod pacing;
+mod protocol;
+mod typescript;
