@@ -170,6 +170,7 @@ fn complaint(blocks: &[Block], index: usize, folder: &Path) -> Option<String> {
 
 #[test]
 fn examples_load_or_are_refused_as_they_say() {
+    let folder = folder();
     for (document, least) in [("README.md", 2), ("docs/scene.md", 15)] {
         let blocks = blocks(document);
         let examples = blocks
@@ -178,7 +179,7 @@ fn examples_load_or_are_refused_as_they_say() {
             .count();
         assert!(examples >= least, "{document} has {examples} examples");
         let complaints: Vec<String> = (0..blocks.len())
-            .filter_map(|index| complaint(&blocks, index, folder().path()))
+            .filter_map(|index| complaint(&blocks, index, folder.path()))
             .collect();
         assert!(complaints.is_empty(), "{}", complaints.join("\n"));
     }
@@ -201,7 +202,10 @@ fn wrong_examples_are_found() {
             "```json media refused\n[{\"kind\": \"fog\"}]\n```\n```text\nanother error\n```",
             "is refused with",
         ),
-        ("```json raw\n{\"size\": [2, 2], \"type\": \"u8\"}\n```", "description"),
+        (
+            "```json raw\n{\"size\": [2, 2], \"type\": \"u8\"}\n```",
+            "description",
+        ),
     ] {
         let blocks = blocks_of("a.md", text);
         let complaint = complaint(&blocks, 0, folder.path()).unwrap_or_default();

@@ -126,7 +126,8 @@ pub fn heading_paths(document: &Source, paths: &[&str]) -> Vec<Finding> {
     findings
 }
 
-/// What a document points at exists: relative links, and paths in backticks.
+/// What a document points at exists: links, relative to its folder, and paths in backticks, relative to
+/// the repository.
 pub fn document_paths(document: &Source, paths: &[&str]) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (index, line) in outside_fences(&document.text) {
@@ -138,6 +139,7 @@ pub fn document_paths(document: &Source, paths: &[&str]) -> Vec<Finding> {
             .map(|capture| capture[1].to_owned());
         let missing = links
             .filter(|link| !link.contains("://"))
+            .map(|link| linked(&document.path, &link))
             .chain(spans.filter(|span| FILE_NAME.is_match(span) && !is_built(span)))
             .filter(|path| !exists(path, paths));
         findings.extend(missing.map(|path| Finding {
@@ -147,6 +149,24 @@ pub fn document_paths(document: &Source, paths: &[&str]) -> Vec<Finding> {
         }));
     }
     findings
+}
+
+/// Where a relative link in a document leads, as seen from the repository; unchanged if it leads out.
+fn linked(document: &str, link: &str) -> String {
+    let mut parts: Vec<&str> = document.split('/').collect();
+    parts.pop();
+    for part in link.split('/') {
+        match part {
+            "." => {}
+            ".." => {
+                if parts.pop().is_none() {
+                    return link.to_owned();
+                }
+            }
+            _ => parts.push(part),
+        }
+    }
+    parts.join("/")
 }
 
 /// Lines with their index, without those of fenced blocks: these hold examples.
