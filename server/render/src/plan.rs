@@ -165,7 +165,7 @@ pub fn plan(facts: &SceneFacts, settings: &RenderSettings, limits: &PlanLimits) 
         return plan_reference(facts, settings);
     }
     let mut plan = FramePlan::default();
-    let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
+    let lights = facts.lights();
     let shadows = visibility(facts, settings);
     let uncorrected = without_correction(facts, settings, *limits);
     let paths = uncorrected.is_none();
@@ -259,7 +259,7 @@ fn plan_visibility(
     };
     match shadows {
         ShadowMode::Mapped => {
-            let views = facts.spot_lights + 6 * facts.point_lights + facts.directional_lights;
+            let views = facts.shadow_views();
             let side = settings.shadows.resolution;
             plan_bvh(plan, facts, paths);
             plan.run(

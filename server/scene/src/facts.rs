@@ -72,6 +72,23 @@ pub struct SceneFacts {
     pub swept_bounds: Option<Aabb>,
 }
 
+impl SceneFacts {
+    /// Lights with a position or a direction that send something.
+    pub fn lights(&self) -> usize {
+        self.positioned_lights() + self.directional_lights
+    }
+
+    /// Those of them that have a position.
+    pub fn positioned_lights(&self) -> usize {
+        self.point_lights + self.spot_lights
+    }
+
+    /// Depth maps that they need if all of them cast shadows: a cube of six around a point light.
+    pub fn shadow_views(&self) -> usize {
+        6 * self.point_lights + self.spot_lights + self.directional_lights
+    }
+}
+
 /// Computes the facts of a scene. Cost: one pass over instances; the first time of a
 /// geometry also one over its vertices.
 pub fn facts(scene: &Scene) -> SceneFacts {
@@ -285,12 +302,8 @@ fn bounds(scene: &Scene, surface_bounds: Option<Aabb>) -> Aabb {
         hull.add(min);
         hull.add(max);
     }
-    for light in &scene.lights {
-        match light {
-            Light::Point(light) => hull.add(light.position),
-            Light::Spot(light) => hull.add(light.position),
-            Light::Directional(_) => {}
-        }
+    for position in scene.lights.iter().filter_map(Light::position) {
+        hull.add(position);
     }
     for medium in &scene.media {
         match &medium.shape {

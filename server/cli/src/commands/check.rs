@@ -26,7 +26,7 @@ impl Check {
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&facts)?)?;
         } else {
-            let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
+            let lights = facts.lights();
             writeln!(
                 out,
                 "{}: valid; {} triangles in {} instances, {} textures, {lights} lights, {} media, optical thickness {:.3}",

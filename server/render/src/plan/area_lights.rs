@@ -47,7 +47,7 @@ pub(crate) fn area_strata(
 /// a ray are as noisy as a path: at one to 16 samples the corrected hall, smoke and cloud are 10 to 40 %
 /// closer to the truth without this pass, in two thirds of the time.
 fn left_to_paths(facts: &SceneFacts, settings: &RenderSettings, paths: bool) -> bool {
-    let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
+    let lights = facts.lights();
     paths && settings.correction == CorrectionMode::Always && lights > 0
 }
 

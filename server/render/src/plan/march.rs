@@ -45,7 +45,7 @@ impl March {
         // A cone has edges, a narrow lobe a peak, a grid anything: no rule of few nodes sees them.
         let smooth = !facts.heterogeneous && facts.spot_lights == 0 && facts.max_abs_g <= 0.5;
         let interleave = wanted.interleave.max(1);
-        let culls = lights(facts) >= LEAST_CULLED
+        let culls = facts.lights() >= LEAST_CULLED
             && wanted.steps >= LEAST_CULLED_STRATA * interleave * interleave
             && facts.grids == 0
             && !limits.unskipped;
@@ -120,7 +120,7 @@ impl March {
         };
         let media = facts.media;
         let mut why = format!("{steps} {kind} a ray, {lights} lights, {media} media");
-        let positioned = facts.point_lights + facts.spot_lights;
+        let positioned = facts.positioned_lights();
         if settings.single_scattering.equiangular && !self.equiangular && positioned > 1 {
             why = format!(
                 "{why}; none equiangular: beside density grids all lights share the strata, and {positioned} have a position"
@@ -157,18 +157,14 @@ impl March {
 /// Whether strata can follow a light: each light has its own but beside density grids, whose optical
 /// depth is summed up along the strata of all.
 fn equiangular_about(facts: &SceneFacts) -> bool {
-    let positioned = facts.point_lights + facts.spot_lights;
+    let positioned = facts.positioned_lights();
     positioned == 1 || (positioned > 1 && facts.grids == 0)
 }
 
 /// Whether the density alone says how fine strata must be: not where another medium, or a light among
 /// them, varies faster. Measured on smoke of 64³ voxels, where half a stratum a voxel still does.
 fn by_voxels(facts: &SceneFacts) -> bool {
-    facts.grids > 0 && facts.grids == facts.media && facts.point_lights + facts.spot_lights == 0
-}
-
-fn lights(facts: &SceneFacts) -> usize {
-    facts.point_lights + facts.spot_lights + facts.directional_lights
+    facts.grids > 0 && facts.grids == facts.media && facts.positioned_lights() == 0
 }
 
 /// Most steps of a march that keep an invocation below the driver's loop cap.
@@ -181,7 +177,7 @@ fn loop_budget(
     let Some(cap) = limits.loop_cap else {
         return u32::MAX;
     };
-    let lights = lights(facts).max(1) as u32;
+    let lights = facts.lights().max(1) as u32;
     let media = facts.media.max(1) as u32;
     // A shadow ray visits tens of nodes; the bound leaves room for hundreds.
     let per_ray = if settings.shadows.mode == ShadowMode::Traced {

@@ -60,7 +60,7 @@ pub(super) fn plan_paths(plan: &mut FramePlan, facts: &SceneFacts) {
     if facts.environment_map {
         variant.push_str("+environment_map");
     }
-    let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
+    let lights = facts.lights();
     plan.run(
         PassKind::Reference,
         &variant,

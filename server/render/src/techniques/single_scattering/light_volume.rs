@@ -3,8 +3,8 @@
 
 use std::cell::Cell;
 
-use glam::{DAffine3, DVec3, UVec3, Vec3};
-use tyndall_scene::{Light, Medium, MediumShape, Scene, SharedGrid};
+use glam::{DAffine3, DVec3, UVec3};
+use tyndall_scene::{Light, LightPlace, Medium, MediumShape, Scene, SharedGrid};
 use tyndall_shaders::types;
 
 use crate::device::Device;
@@ -23,17 +23,8 @@ const TEXEL_BYTES: u64 = 8;
 /// What a volume's depths depend on: no intensity, no phase function, no camera.
 #[derive(Debug, PartialEq)]
 struct Key {
-    lights: Vec<Sight>,
+    lights: Vec<LightPlace>,
     grids: Vec<(SharedGrid, DAffine3, [f32; 3])>,
-}
-
-/// Where a light is looked for.
-#[derive(Debug, PartialEq)]
-enum Sight {
-    /// Unit: m.
-    At(DVec3),
-    /// Unit, along propagation.
-    Along(Vec3),
 }
 
 /// The light volume of one view.
@@ -149,11 +140,6 @@ impl LightVolume {
 }
 
 fn key(scene: &Scene) -> Key {
-    let sight = |light: &Light| match light {
-        Light::Point(light) => Sight::At(light.position),
-        Light::Spot(light) => Sight::At(light.position),
-        Light::Directional(light) => Sight::Along(light.direction),
-    };
     let grid = |medium: &Medium| match &medium.shape {
         MediumShape::Grid {
             grid,
@@ -165,7 +151,7 @@ fn key(scene: &Scene) -> Key {
         _ => None,
     };
     Key {
-        lights: scene.lights.iter().map(sight).collect(),
+        lights: scene.lights.iter().map(Light::place).collect(),
         grids: scene.media.iter().filter_map(grid).collect(),
     }
 }
@@ -217,6 +203,8 @@ fn samples(extent: DVec3, spacing: f64, lights: u32, side: u32) -> UVec3 {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     #[test]
