@@ -49,6 +49,8 @@ pub fn run_for(
         Constants {
             medium_count: counts.media,
             emitter_count: counts.emitters,
+            // Phase functions of every kind are asked for.
+            mixed_phases: true,
             ..Constants::default()
         },
     )?;

@@ -34,6 +34,8 @@ pub(crate) struct Constants {
     pub glows: bool,
     /// Whether every phase function is constant.
     pub isotropic: bool,
+    /// Whether some phase function is more than one plain lobe.
+    pub mixed_phases: bool,
     /// Side of the tile of pixels that share a ray's strata.
     pub interleave: u32,
     /// Side of the block of pixels of which one is marched.
@@ -65,6 +67,7 @@ impl Constants {
             "FINDS_LIGHT" => Some(f64::from(self.finds_light)),
             "GLOWS" => Some(f64::from(self.glows)),
             "ISOTROPIC" => Some(f64::from(self.isotropic)),
+            "MIXED_PHASES" => Some(f64::from(self.mixed_phases)),
             "INTERLEAVE" => Some(f64::from(self.interleave)),
             "SPACING" => Some(f64::from(self.spacing)),
             "EQUIANGULAR" => Some(f64::from(self.equiangular)),
@@ -91,6 +94,7 @@ impl Constants {
             finds_light: self.finds_light && declares("FINDS_LIGHT"),
             glows: self.glows && declares("GLOWS"),
             isotropic: self.isotropic && declares("ISOTROPIC"),
+            mixed_phases: self.mixed_phases && declares("MIXED_PHASES"),
             interleave: kept(self.interleave, "INTERLEAVE"),
             spacing: kept(self.spacing, "SPACING"),
             equiangular: self.equiangular && declares("EQUIANGULAR"),

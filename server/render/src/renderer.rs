@@ -293,6 +293,7 @@ fn constants(view: &View, march: March) -> Constants {
         finds_light: emitter_count > 0 || facts.environment,
         glows: facts.medium_emits,
         isotropic: !facts.anisotropic,
+        mixed_phases: scene.media.iter().any(|m| !m.phase.is_henyey_greenstein()),
         interleave: march.interleave,
         spacing: march.spacing,
         equiangular: march.equiangular,

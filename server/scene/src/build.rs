@@ -16,6 +16,7 @@ use crate::files::Folder;
 use crate::geometry::{Geometry, SharedGeometry};
 use crate::import::{self, Assets, Imported};
 use crate::limits::Limits;
+use crate::phase::PhaseFunction;
 use crate::scene::{
     Aabb, Camera, CorrectionMode, DirectionalLight, Environment, Light, Medium, MediumShape,
     PointLight, ReferenceSettings, RenderSettings, Scene, ShadowSettings, SingleScatteringSettings,
@@ -197,7 +198,12 @@ fn medium(medium: &MediumDescription, shape: MediumShape) -> Medium {
         name: coefficients.name.unwrap_or_default().to_owned(),
         sigma_s: sigma_s.map(|sigma| (sigma * scale) as f32),
         sigma_a: sigma_a.map(|sigma| (sigma * scale) as f32),
-        g: coefficients.g as f32,
+        phase: coefficients.phase.map_or(
+            PhaseFunction::HenyeyGreenstein {
+                g: coefficients.g as f32,
+            },
+            PhaseFunction::from,
+        ),
         emission: coefficients.emission.0.map(|e| (e * scale) as f32),
         shape,
     }

@@ -51,9 +51,9 @@ pub struct SceneFacts {
     pub scatters: bool,
     /// Whether some medium emits.
     pub medium_emits: bool,
-    /// Whether some scattering medium has g ≠ 0.
+    /// Whether some scattering medium's phase function is not constant.
     pub anisotropic: bool,
-    /// Largest |g| of a scattering medium; 0 without one.
+    /// Largest |g| of a lobe of a scattering medium's phase function; 0 without one.
     pub max_abs_g: f32,
     /// Largest `σ_s/σ_t` over media and channels; 0 without a medium.
     pub max_albedo: f32,
@@ -157,8 +157,10 @@ pub fn facts(scene: &Scene) -> SceneFacts {
         heterogeneous: media.iter().any(|m| varies(&m.shape)),
         scatters: scattering().next().is_some(),
         medium_emits: media.iter().any(|m| m.emission != [0.0; 3]),
-        anisotropic: scattering().any(|m| m.g != 0.0),
-        max_abs_g: scattering().map(|m| m.g.abs()).fold(0.0, f32::max),
+        anisotropic: scattering().any(|m| !m.phase.is_isotropic()),
+        max_abs_g: scattering()
+            .map(|m| m.phase.largest_g())
+            .fold(0.0, f32::max),
         max_albedo: media.iter().map(|m| albedo(m)).fold(0.0, f32::max),
         optical_thickness: optical_thickness(&media, &bounds),
         bounds,

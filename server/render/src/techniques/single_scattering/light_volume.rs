@@ -204,6 +204,7 @@ fn samples(extent: DVec3, spacing: f64, lights: u32, side: u32) -> UVec3 {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
+    use tyndall_scene::PhaseFunction;
 
     use super::*;
 
@@ -222,7 +223,7 @@ mod tests {
         };
         sun.irradiance = [7.0; 3];
         turned.direction = -Vec3::Y;
-        brighter.media[0].g += 0.1;
+        brighter.media[0].phase = PhaseFunction::HenyeyGreenstein { g: 0.1 };
         brighter.media[0].emission = [1.0; 3];
         let mut thinner = scene.clone();
         thinner.media[0].sigma_a[2] += 0.1;
