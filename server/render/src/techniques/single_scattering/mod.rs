@@ -37,7 +37,7 @@ pub(crate) fn record(
     )
 }
 
-/// Pixels that are marched: see `marched_grid.wesl`.
+/// Pixels that are marched: see `low_resolution/coarse_grid.wesl`.
 fn marched_size(recording: &Recording<'_>, targets: &Targets) -> (u32, u32) {
     let spacing = recording.constants.spacing.max(1);
     (
