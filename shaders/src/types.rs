@@ -198,22 +198,29 @@ mirrors! {
         padding: u32,
     }
 
+    /// A phase function.
+    struct Phase {
+        parameters: [f32; 3],
+        kind: u32,
+    }
+
     /// One participating medium.
     struct Medium {
         sigma_s: [f32; 3],
         shape: u32,
         sigma_t: [f32; 3],
-        g: f32,
-        emission: [f32; 3],
         falloff: f32,
-        up: [f32; 3],
+        emission: [f32; 3],
         camera_height: f32,
-        center: [f32; 3],
+        up: [f32; 3],
         radius: f32,
-        bounds_min: [f32; 3],
+        center: [f32; 3],
         bounded: u32,
-        bounds_max: [f32; 3],
+        bounds_min: [f32; 3],
         grid: u32,
+        bounds_max: [f32; 3],
+        padding: u32,
+        phase: Phase,
     }
 
     /// A density grid's place in the shared buffers, and its lattice.

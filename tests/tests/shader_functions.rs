@@ -1,7 +1,5 @@
 //! Shader functions on a device against f64 oracles.
 
-use glam::DVec3;
-use tyndall_render::probe;
 use tyndall_tests::{gpu, probes};
 
 #[test]
@@ -126,93 +124,5 @@ fn safe_normalize_survives_zero_tiny_and_huge_vectors() {
                 "{found:?} for {expected:?}"
             );
         }
-    }
-}
-
-fn henyey_greenstein(cosine: f64, g: f64) -> f64 {
-    let den = 1.0 + g * g - 2.0 * g * cosine;
-    (1.0 - g * g) / (4.0 * std::f64::consts::PI * den.powf(1.5))
-}
-
-#[test]
-fn henyey_greenstein_matches_f64_at_every_g_and_at_one_milliradian() {
-    let device = gpu::device();
-    let mut inputs: Vec<[f32; 4]> = Vec::new();
-    let mut expected = Vec::new();
-    for g in [
-        -0.999_f32, -0.9, -0.5, 0.0, 1e-4, 0.5, 0.75, 0.9, 0.99, 0.999,
-    ] {
-        for angle in [
-            0.0_f64,
-            1e-3,
-            0.01,
-            0.1,
-            1.0,
-            2.0,
-            3.0,
-            std::f64::consts::PI - 1e-3,
-        ] {
-            let out = DVec3::new(angle.sin(), 0.0, angle.cos());
-            let rounded = out.as_vec3();
-            inputs.push([0.0, 0.0, 1.0, g]);
-            inputs.push([rounded.x, rounded.y, rounded.z, 0.0]);
-            expected.push(henyey_greenstein(angle.cos(), f64::from(g)));
-        }
-    }
-    let bytes = probe::run(
-        &device,
-        probes::named("probe_phase"),
-        0,
-        &[("inputs", bytemuck::cast_slice(&inputs))],
-        expected.len() as u64 * 4,
-        4,
-    )
-    .unwrap();
-    let found: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
-    for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
-        let g = inputs[2 * i][3];
-        assert!(
-            gpu::relative_error(*found, *expected) < 2e-4,
-            "g {g}: {found} for {expected}"
-        );
-    }
-}
-
-#[test]
-fn henyey_greenstein_integrates_to_one_with_mean_cosine_g() {
-    let device = gpu::device();
-    let count = 20_000;
-    for g in [-0.9_f32, -0.3, 0.0, 0.6, 0.9] {
-        let mut inputs: Vec<[f32; 4]> = Vec::new();
-        let cosines: Vec<f64> = (0..count)
-            .map(|i| -1.0 + 2.0 * (f64::from(i) + 0.5) / f64::from(count))
-            .collect();
-        for cosine in &cosines {
-            let sine = (1.0 - cosine * cosine).sqrt();
-            inputs.push([0.0, 0.0, 1.0, g]);
-            inputs.push([sine as f32, 0.0, *cosine as f32, 0.0]);
-        }
-        let bytes = probe::run(
-            &device,
-            probes::named("probe_phase"),
-            0,
-            &[("inputs", bytemuck::cast_slice(&inputs))],
-            u64::from(count as u32) * 4,
-            (count as u32).div_ceil(64),
-        )
-        .unwrap();
-        let values: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
-        let weight = 2.0 * std::f64::consts::PI * 2.0 / f64::from(count);
-        let total: f64 = values.iter().map(|p| f64::from(*p) * weight).sum();
-        let mean: f64 = values
-            .iter()
-            .zip(&cosines)
-            .map(|(p, c)| f64::from(*p) * c * weight)
-            .sum();
-        assert!((total - 1.0).abs() < 1e-4, "g {g}: {total}");
-        assert!(
-            (mean - f64::from(g)).abs() < 1e-4,
-            "g {g}: mean cosine {mean}"
-        );
     }
 }

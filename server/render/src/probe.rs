@@ -42,7 +42,9 @@ pub fn run_for(
 ) -> Result<Vec<u8>, RenderError> {
     let constants = Constants::default()
         .number("MEDIUM_COUNT", counts.media)
-        .number("EMITTER_COUNT", counts.emitters);
+        .number("EMITTER_COUNT", counts.emitters)
+        // Phase functions of every kind are asked for.
+        .flag("MIXED_PHASES", true);
     let program = Pipelines::default().compute_of(device, shader, &constants)?;
     let buffer = |size: u64, usage: wgpu::BufferUsages| {
         device.device.create_buffer(&wgpu::BufferDescriptor {

@@ -52,9 +52,9 @@ pub struct SceneFacts {
     pub scatters: bool,
     /// Whether some medium emits.
     pub medium_emits: bool,
-    /// Whether some scattering medium has g ≠ 0.
+    /// Whether some scattering medium's phase function is not constant.
     pub anisotropic: bool,
-    /// Largest |g| of a scattering medium; 0 without one.
+    /// Largest |g| of a lobe of a scattering medium's phase function; 0 without one.
     pub max_abs_g: f32,
     /// Largest `σ_s/σ_t` over media and channels; 0 without a medium.
     pub max_albedo: f32,
@@ -71,6 +71,23 @@ pub struct SceneFacts {
     /// still while casters move. Unit: m.
     #[serde(skip)]
     pub swept_bounds: Option<Aabb>,
+}
+
+impl SceneFacts {
+    /// Lights with a position or a direction that send something.
+    pub fn lights(&self) -> usize {
+        self.positioned_lights() + self.directional_lights
+    }
+
+    /// Those of them that have a position.
+    pub fn positioned_lights(&self) -> usize {
+        self.point_lights + self.spot_lights
+    }
+
+    /// Depth maps that they need if all of them cast shadows: a cube of six around a point light.
+    pub fn shadow_views(&self) -> usize {
+        6 * self.point_lights + self.spot_lights + self.directional_lights
+    }
 }
 
 /// Computes the facts of a scene. Cost: one pass over instances; the first time of a
@@ -141,8 +158,10 @@ pub fn facts(scene: &Scene) -> SceneFacts {
         heterogeneous: media.iter().any(|m| varies(&m.shape)),
         scatters: scattering().next().is_some(),
         medium_emits: media.iter().any(|m| m.emission != [0.0; 3]),
-        anisotropic: scattering().any(|m| m.g != 0.0),
-        max_abs_g: scattering().map(|m| m.g.abs()).fold(0.0, f32::max),
+        anisotropic: scattering().any(|m| !m.phase.is_isotropic()),
+        max_abs_g: scattering()
+            .map(|m| m.phase.largest_g())
+            .fold(0.0, f32::max),
         max_albedo: media.iter().map(|m| albedo(m)).fold(0.0, f32::max),
         optical_thickness: optical_thickness(&media, &bounds),
         bounds,
@@ -286,12 +305,8 @@ fn bounds(scene: &Scene, surface_bounds: Option<Aabb>) -> Aabb {
         hull.add(min);
         hull.add(max);
     }
-    for light in &scene.lights {
-        match light {
-            Light::Point(light) => hull.add(light.position),
-            Light::Spot(light) => hull.add(light.position),
-            Light::Directional(_) => {}
-        }
+    for position in scene.lights.iter().filter_map(Light::position) {
+        hull.add(position);
     }
     for medium in &scene.media {
         match &medium.shape {

@@ -182,6 +182,10 @@ fn medium_rules() {
         r#"
         media[0].g | 1.2 | = | 1.2 | −0.999 to 0.999
         media[0].g | -1 | = | -1 | −0.999 to 0.999
+        media[0].phase | {"kind": "henyey_greenstein", "g": 1.2} | media[0].phase.g | 1.2 | −0.999 to 0.999
+        media[0].phase | {"kind": "henyey_greenstein", "gg": 0.5} | media[0].phase.gg | unknown member | g
+        media[0].phase | {"kind": "mie"} | media[0].phase.kind | mie | henyey_greenstein
+        media[0] | {"kind": "homogeneous", "sigma_s": 0.1, "sigma_a": 0, "g": 0.5, "phase": {"kind": "henyey_greenstein", "g": 0.5}} | media[0].g | 0.5 beside phase | g or phase
         media[0].sigma_s | -0.1 | = | -0.1 | 0 to 1e6
         media[1].albedo | [1, 1.1, 1] | media[1].albedo[1] | 1.1 | 0 to 1
         media[0].sigma_a | null | media[0] | sigma_s | sigma_s and sigma_a, or sigma_t and albedo

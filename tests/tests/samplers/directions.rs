@@ -28,46 +28,6 @@ fn cosine_directions_are_cosine_distributed() {
     }
 }
 
-/// Probability of 1 − s·cosθ above `c`, with s the sign of g: no difference of near values.
-fn tail(c: f64, g: f64) -> f64 {
-    let m = g.abs();
-    let r = ((1.0 - m).powi(2) + 2.0 * m * c).sqrt();
-    // (1 − m)(1 + cosθ)/(r(1 + m + r)), cosθ = 1 − c.
-    (1.0 - m) * (2.0 - c) / (r * (1.0 + m + r))
-}
-
-#[test]
-fn henyey_greenstein_directions_follow_their_lobe_from_its_tip_to_its_tail() {
-    let lobes = [0.0, 1e-4, 0.5, -0.5, 0.9, -0.9, 0.99, -0.99, 0.999, -0.999];
-    for (seed, g) in lobes.into_iter().enumerate() {
-        let axis = AXIS.as_dvec3();
-        let s = if g < 0.0 { -1.0 } else { 1.0 };
-        let mut counts = vec![0; 512];
-        // Bins of the tail: probabilities 1/2, 1/4, 1/8 and so on.
-        let mut halvings = vec![0; 13];
-        let parameters = [with(AXIS, g), [0.0; 4], [0.0; 4]];
-        for [found, _] in sample(Which::HenyeyGreenstein, 10 + seed as u32, parameters) {
-            let v = direction(found);
-            let c = (0.5 * (v - s * axis).length_squared()).clamp(0.0, 2.0);
-            let u = tail(c, f64::from(g)).clamp(0.0, 1.0);
-            let m = f64::from(g.abs());
-            let den = (1.0 - m) * (1.0 - m) + 2.0 * m * c;
-            assert_density(
-                "phase",
-                found[3],
-                (1.0 - m * m) / (4.0 * PI * den * den.sqrt()),
-                2e-3,
-            );
-            counts[32 * bin(u, 16) + bin(turn(axis, v), 32)] += 1;
-            halvings[(-u.max(1e-30).log2()).floor().clamp(0.0, 12.0) as usize] += 1;
-        }
-        assert_uniform(&format!("phase g {g}"), &counts);
-        let share = |k: i32| 0.5_f64.powi(if k == 12 { 12 } else { k + 1 });
-        let expected: Vec<f64> = (0..13).map(|k| share(k) * COUNT as f64).collect();
-        assert_fits(&format!("phase tail g {g}"), &halvings, &expected);
-    }
-}
-
 #[test]
 fn triangle_points_are_uniform() {
     let mut counts = vec![0; 128];

@@ -10,6 +10,7 @@ mod bsdf;
 mod directions;
 mod distances;
 mod lights;
+mod phases;
 mod sobol;
 mod triangles;
 
@@ -29,7 +30,7 @@ pub const COUNT: usize = 1 << 17;
 #[allow(missing_docs, reason = "named as the shader's functions")]
 pub enum Which {
     Cosine,
-    HenyeyGreenstein,
+    Phase,
     Triangle,
     Equiangular,
     Bsdf,

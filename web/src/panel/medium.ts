@@ -44,13 +44,16 @@ export function addMedium(
     { target: scattering, colour: scatteringRows.colour },
     { target: absorption, colour: absorptionRows.colour },
   ]);
-  const anisotropy = touch(
-    () => medium.g,
-    (value) => {
-      medium.g = value;
-    },
-  );
-  addSlider(folder, anisotropy, 'Anisotropy g', { min: -0.95, max: 0.95, step: 0.01 });
+  // A phase function of its own takes the place of g, and is edited in the scene's file.
+  if (medium.phase === undefined) {
+    const anisotropy = touch(
+      () => medium.g,
+      (value) => {
+        medium.g = value;
+      },
+    );
+    addSlider(folder, anisotropy, 'Anisotropy g', { min: -0.95, max: 0.95, step: 0.01 });
+  }
   const density = touch(
     () => medium.density_scale,
     (value) => {

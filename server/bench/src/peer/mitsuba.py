@@ -70,11 +70,10 @@ def volume(values):
 
 
 def medium(entry):
-    phase = {"type": "hg", "g": entry["g"]} if entry["g"] != 0 else {"type": "isotropic"}
     sigma_t = entry["sigma_t"]
     common = {
         "albedo": volume(entry["albedo"]),
-        "phase": phase,
+        "phase": entry["phase"],
         "has_spectral_extinction": not grey(sigma_t),
     }
     grid = entry.get("grid")

@@ -30,7 +30,7 @@ impl Check {
             printed["bounds"] = json!({"min": bounds.min.to_array(), "max": bounds.max.to_array()});
             writeln!(out, "{}", serde_json::to_string_pretty(&printed)?)?;
         } else {
-            let lights = facts.point_lights + facts.spot_lights + facts.directional_lights;
+            let lights = facts.lights();
             writeln!(
                 out,
                 "{}: valid; {} triangles in {} instances, {} textures, {lights} lights, {} media, optical thickness {:.3}",

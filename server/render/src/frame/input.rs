@@ -27,8 +27,7 @@ pub(crate) struct PlanInput<'a> {
 impl PlanInput<'_> {
     /// Lights with a position or a direction.
     pub fn lights(&self) -> usize {
-        let facts = self.facts;
-        facts.point_lights + facts.spot_lights + facts.directional_lights
+        self.facts.lights()
     }
 
     /// Loop iterations that the light of all lights at one point takes at most: their optical depths

@@ -159,12 +159,9 @@ impl Inputs {
 /// decides in which order lights are looked at.
 fn most_added(light: &Light, scene: &Scene) -> f64 {
     let most = |rgb: [f32; 3]| f64::from(rgb[0].max(rgb[1]).max(rgb[2]));
-    let (position, intensity, radius) = match light {
-        Light::Point(light) => (light.position, light.intensity, light.radius),
-        Light::Spot(light) => (light.position, light.intensity, light.radius),
-        Light::Directional(light) if light.irradiance == [0.0; 3] => return 0.0,
-        // It lights all of a ray.
-        Light::Directional(_) => return f64::INFINITY,
+    let Some(position) = light.position() else {
+        // From infinity it lights all of a ray.
+        return if light.is_lit() { f64::INFINITY } else { 0.0 };
     };
     let distance = (position - scene.camera.position).length();
     let fills = |bounds: &Option<Aabb>| {
@@ -182,5 +179,5 @@ fn most_added(light: &Light, scene: &Scene) -> f64 {
         _ => 0.0,
     });
     let passed = (-filling.sum::<f64>() * distance).exp();
-    most(intensity) * passed / distance.max(f64::from(radius)).max(1e-9)
+    most(light.strength()) * passed / distance.max(f64::from(light.radius())).max(1e-9)
 }

@@ -1,7 +1,7 @@
 //! Camera-relative values of instances, lights and media.
 
 use glam::{DVec3, Vec3};
-use tyndall_scene::{Geometry, Light, Medium, MediumShape};
+use tyndall_scene::{Geometry, Light, Medium, MediumShape, PhaseFunction, PhaseParameters};
 use tyndall_shaders::types;
 
 /// The point every uploaded position is relative to: the camera.
@@ -81,12 +81,18 @@ pub(crate) fn light_values(
     value
 }
 
+/// A phase function.
+fn phase_values(phase: &PhaseFunction) -> types::Phase {
+    let PhaseParameters { kind, parameters } = phase.parameters();
+    types::Phase { parameters, kind }
+}
+
 /// A medium; `grid` is its place among the grids, if it is one.
 pub(crate) fn medium_values(medium: &Medium, grid: u32, origin: Origin) -> types::Medium {
     let mut value = types::Medium {
         sigma_s: medium.sigma_s,
         sigma_t: std::array::from_fn(|i| medium.sigma_s[i] + medium.sigma_a[i]),
-        g: medium.g,
+        phase: phase_values(&medium.phase),
         emission: medium.emission,
         up: Vec3::Y.to_array(),
         radius: 1.0,

@@ -4,8 +4,8 @@
 use std::cell::Cell;
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, UVec3, Vec3};
-use tyndall_scene::{ChangeSet, Light, Medium, MediumShape, Scene, SharedGrid};
+use glam::{DAffine3, DVec3, UVec3};
+use tyndall_scene::{ChangeSet, Light, LightPlace, Medium, MediumShape, Scene, SharedGrid};
 use tyndall_shaders::types;
 
 use crate::engine::{Bindings, Device, Recording};
@@ -36,17 +36,8 @@ const DEPENDS_ON: ChangeSet = ChangeSet::LIGHT_SET
 /// and the extinction of media that are no grids are not in it.
 #[derive(Debug, Clone, PartialEq)]
 struct Key {
-    lights: Vec<Sight>,
+    lights: Vec<LightPlace>,
     grids: Vec<(SharedGrid, DAffine3, [f32; 3])>,
-}
-
-/// Where a light is looked for.
-#[derive(Debug, Clone, PartialEq)]
-enum Sight {
-    /// Unit: m.
-    At(DVec3),
-    /// Unit, along propagation.
-    Along(Vec3),
 }
 
 /// The light volume of one view; nothing before its first scene.
@@ -272,11 +263,6 @@ impl Field {
 }
 
 fn key(scene: &Scene) -> Key {
-    let sight = |light: &Light| match light {
-        Light::Point(light) => Sight::At(light.position),
-        Light::Spot(light) => Sight::At(light.position),
-        Light::Directional(light) => Sight::Along(light.direction),
-    };
     let grid = |medium: &Medium| match &medium.shape {
         MediumShape::Grid {
             grid,
@@ -288,7 +274,7 @@ fn key(scene: &Scene) -> Key {
         _ => None,
     };
     Key {
-        lights: scene.lights.iter().map(sight).collect(),
+        lights: scene.lights.iter().map(Light::place).collect(),
         grids: scene.media.iter().filter_map(grid).collect(),
     }
 }
@@ -340,6 +326,9 @@ fn samples(extent: DVec3, spacing: f64, lights: u32, side: u32) -> UVec3 {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+    use tyndall_scene::PhaseFunction;
+
     use super::*;
 
     #[test]
@@ -357,7 +346,7 @@ mod tests {
         };
         sun.irradiance = [7.0; 3];
         turned.direction = -Vec3::Y;
-        brighter.media[0].g += 0.1;
+        brighter.media[0].phase = PhaseFunction::HenyeyGreenstein { g: 0.1 };
         brighter.media[0].emission = [1.0; 3];
         let mut thinner = scene.clone();
         thinner.media[0].sigma_a[2] += 0.1;

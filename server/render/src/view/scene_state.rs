@@ -178,6 +178,7 @@ pub(crate) fn constants(scene: &Scene, facts: &SceneFacts, assets: &GpuAssets) -
         let sigma_t: [f32; 3] = std::array::from_fn(|c| medium.sigma_s[c] + medium.sigma_a[c]);
         !grey(sigma_t)
     };
+    let mixed = |medium: &Medium| !medium.phase.is_henyey_greenstein();
     let in_grid = |medium: &Medium| matches!(medium.shape, MediumShape::Grid { .. });
     let chromatic_grids = scene.media.iter().any(|m| chromatic(m) && in_grid(m));
     Constants::default()
@@ -190,4 +191,5 @@ pub(crate) fn constants(scene: &Scene, facts: &SceneFacts, assets: &GpuAssets) -
         .flag("GLOWS", facts.medium_emits)
         .flag("ISOTROPIC", !facts.anisotropic)
         .flag("SKY", facts.environment)
+        .flag("MIXED_PHASES", scene.media.iter().any(mixed))
 }

@@ -14,7 +14,7 @@ use crate::description::{
 use crate::error::SceneError;
 use crate::import::Assets;
 use crate::scene::{
-    Camera, CorrectionMode, DirectionalLight, Environment, Light, Medium, MediumShape, PointLight,
+    Camera, CorrectionMode, DirectionalLight, Environment, Light, Medium, MediumShape, PhaseFunction, PointLight,
     RenderSettings, Scene, SharedGeometry, SpotLight, StopRule, Technique,
 };
 
@@ -107,7 +107,12 @@ fn medium(medium: &MediumDescription, shape: MediumShape) -> Medium {
         name: coefficients.name.unwrap_or_default().to_owned(),
         sigma_s: sigma_s.map(|sigma| (sigma * scale) as f32),
         sigma_a: sigma_a.map(|sigma| (sigma * scale) as f32),
-        g: coefficients.g as f32,
+        phase: coefficients.phase.map_or(
+            PhaseFunction::HenyeyGreenstein {
+                g: coefficients.g as f32,
+            },
+            PhaseFunction::from,
+        ),
         emission: coefficients.emission.0.map(|e| (e * scale) as f32),
         shape,
     }

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ts_rs::TS;
 
+use super::phase::PhaseDescription;
 use super::tagged::tagged_union;
 use super::values::{Bounds, Rgb, Transform};
 
@@ -52,6 +53,9 @@ macro_rules! medium_kind {
             /// Henyey–Greenstein mean cosine, +1 forward. Range: −0.999 to 0.999.
             #[serde(default)]
             pub g: f64,
+            /// Phase function, instead of `g`.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub phase: Option<PhaseDescription>,
             /// Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
             #[serde(default = "zero")]
             pub emission: Rgb,
@@ -71,6 +75,7 @@ macro_rules! medium_kind {
                     sigma_t: self.sigma_t,
                     albedo: self.albedo,
                     g: self.g,
+                    phase: self.phase.as_ref(),
                     emission: self.emission,
                     density_scale: self.density_scale,
                 }
@@ -175,6 +180,7 @@ pub struct Coefficients<'a> {
     pub sigma_t: Option<Rgb>,
     pub albedo: Option<Rgb>,
     pub g: f64,
+    pub phase: Option<&'a PhaseDescription>,
     pub emission: Rgb,
     pub density_scale: f64,
 }

@@ -9,6 +9,7 @@ pub mod geometry;
 pub mod lights;
 pub mod media;
 pub mod parse;
+pub mod phase;
 pub mod render;
 mod tagged;
 pub mod values;
@@ -26,6 +27,7 @@ pub use camera::{CameraDescription, CameraKeyframe};
 pub use geometry::{GeometryDescription, MaterialDescription};
 pub use lights::LightDescription;
 pub use media::MediumDescription;
+pub use phase::PhaseDescription;
 pub use render::RenderDescription;
 pub use values::{Bounds, Rgb, Scale, Transform};
 

@@ -33,7 +33,7 @@ bitflags! {
         /// Scattering, absorption or emission of a medium. A medium that begins or ceases to do any of
         /// the three also raises [`Self::MEDIUM_SHAPE`].
         const MEDIUM_COEFFICIENTS = 1 << 6;
-        /// The phase function of a medium: its mean cosine g.
+        /// The phase function of a medium.
         const MEDIUM_PHASE = 1 << 7;
         /// How many media there are, in which order, and where each is how dense: kind of shape, bounds,
         /// grid, transform and falloff, and whether it is there at all. A medium that is new raises this
@@ -155,7 +155,7 @@ fn medium(old: &Medium, new: &Medium) -> ChangeSet {
         ChangeSet::MEDIUM_COEFFICIENTS,
         coefficients(old) != coefficients(new),
     );
-    changes.set(ChangeSet::MEDIUM_PHASE, old.g != new.g);
+    changes.set(ChangeSet::MEDIUM_PHASE, old.phase != new.phase);
     changes.set(ChangeSet::MEDIUM_SHAPE, !same_shape);
     changes
 }
@@ -168,6 +168,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::scene::PhaseFunction;
     use crate::description::SceneDescription;
     use crate::scene::{
         CorrectionMode, Geometry, MediumOrder, MediumShape, PointLight, ShadowMode, SharedGrid,
@@ -331,7 +332,7 @@ mod tests {
             |scene| scene.media[0].emission = [1.0; 3],
         ),
         ("mean cosine", ChangeSet::MEDIUM_PHASE, |scene| {
-            scene.media[2].g = -0.3;
+            scene.media[2].phase = PhaseFunction::HenyeyGreenstein { g: -0.3 };
         }),
         ("a medium less", ChangeSet::MEDIUM_SHAPE, |scene| {
             scene.media.pop();

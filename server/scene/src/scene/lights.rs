@@ -32,15 +32,54 @@ impl Light {
         }
     }
 
-    /// Whether it sends anything at all.
-    pub fn is_lit(&self) -> bool {
-        let power = match self {
+    /// Where its light comes from.
+    pub fn place(&self) -> LightPlace {
+        match self {
+            Self::Point(light) => LightPlace::At(light.position),
+            Self::Spot(light) => LightPlace::At(light.position),
+            Self::Directional(light) => LightPlace::Infinity(light.direction),
+        }
+    }
+
+    /// Where it is; `None` at infinity. Unit: m.
+    pub fn position(&self) -> Option<DVec3> {
+        match self.place() {
+            LightPlace::At(position) => Some(position),
+            LightPlace::Infinity(_) => None,
+        }
+    }
+
+    /// Distances below this count as this in 1/d²; 0 at infinity. Unit: m.
+    pub fn radius(&self) -> f32 {
+        match self {
+            Self::Point(light) => light.radius,
+            Self::Spot(light) => light.radius,
+            Self::Directional(_) => 0.0,
+        }
+    }
+
+    /// Its intensity (W·sr⁻¹), or the irradiance of a light at infinity (W·m⁻²), per channel.
+    pub fn strength(&self) -> [f32; 3] {
+        match self {
             Self::Point(light) => light.intensity,
             Self::Spot(light) => light.intensity,
             Self::Directional(light) => light.irradiance,
-        };
-        power.iter().any(|channel| *channel > 0.0)
+        }
     }
+
+    /// Whether it sends anything at all.
+    pub fn is_lit(&self) -> bool {
+        self.strength().iter().any(|channel| *channel > 0.0)
+    }
+}
+
+/// Where a light's rays start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LightPlace {
+    /// At a point. Unit: m.
+    At(DVec3),
+    /// Infinitely far away, travelling along this unit direction.
+    Infinity(Vec3),
 }
 
 /// Isotropic point light.

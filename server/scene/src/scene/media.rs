@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3, Vec3};
 
 use super::grid::SharedGrid;
+use super::phase::PhaseFunction;
 use super::space::Aabb;
 
 /// One participating medium.
@@ -14,8 +15,8 @@ pub struct Medium {
     pub sigma_s: [f32; 3],
     /// Absorption coefficient where the relative density is 1. Unit: m⁻¹ per channel; ≥ 0.
     pub sigma_a: [f32; 3],
-    /// Henyey–Greenstein mean cosine, +1 forward. Range: [−0.999, 0.999].
-    pub g: f32,
+    /// Into which directions it scatters.
+    pub phase: PhaseFunction,
     /// Emitted radiance per metre where the relative density is 1. Unit: W·m⁻³·sr⁻¹.
     pub emission: [f32; 3],
     /// Where it is and how its relative density varies.

@@ -15,6 +15,7 @@ mod geometry;
 mod grid;
 mod lights;
 mod media;
+mod phase;
 mod settings;
 mod space;
 mod tracks;
@@ -30,8 +31,9 @@ pub use geometry::{
     Texture, TextureRef, Wrap,
 };
 pub use grid::{GridStats, SharedGrid};
-pub use lights::{DirectionalLight, Light, PointLight, SpotLight};
+pub use lights::{DirectionalLight, Light, LightPlace, PointLight, SpotLight};
 pub use media::{Medium, MediumShape};
+pub use phase::{PhaseFunction, PhaseParameters};
 pub use settings::{
     CorrectionMode, MediumOrder, ReferenceSettings, RenderSettings, ShadowMode, ShadowSettings,
     SingleScatteringSettings, StopRule, Technique,

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 use tyndall_volume::{ENDINGS, Grid, Procedural};
 
-use super::rules;
+use super::{phase, rules};
 use crate::description::MediumDescription;
 use crate::description::media::Coefficients;
 use crate::description::{Bounds, Rgb, Transform};
@@ -13,8 +13,6 @@ use crate::scene::{box_corners, is_invertible};
 
 /// Largest coefficient. Unit: m⁻¹.
 const SIGMA: f64 = 1e6;
-/// Largest magnitude of g; beyond it the phase function is a spike that no sampler resolves.
-const G: f64 = 0.999;
 /// Largest density scale.
 const DENSITY: f64 = 1e6;
 /// Largest falloff. Unit: m⁻¹.
@@ -170,7 +168,14 @@ fn coefficients(medium: &Coefficients, path: &JsonPath) -> Result<(), SceneError
             rules::rgb(&path.field(name), value, 0.0, *high)?;
         }
     }
-    rules::range(&path.field("g"), medium.g, -G, G)?;
+    rules::range(&path.field("g"), medium.g, -phase::G, phase::G)?;
+    if let Some(function) = medium.phase {
+        if medium.g != 0.0 {
+            let found = format!("{} beside phase", rules::found(medium.g));
+            return Err(SceneError::invalid(path.field("g"), found, "g or phase"));
+        }
+        phase::check(function, &path.field("phase"))?;
+    }
     rules::rgb(
         &path.field("emission"),
         &medium.emission,

@@ -7,6 +7,7 @@ mod geometry;
 mod infinite;
 mod lights;
 mod media;
+mod phase;
 mod render;
 mod rules;
 

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::{Value, json};
-use tyndall_scene::{Aabb, Medium, MediumShape, SharedGrid};
+use tyndall_scene::{Aabb, Medium, MediumShape, PhaseFunction, SharedGrid};
 
 use super::Files;
 use crate::error::BenchError;
@@ -111,11 +111,19 @@ pub(super) fn medium(
     let value = json!({
         "sigma_t": extinction,
         "albedo": albedo,
-        "g": medium.g,
+        "phase": phase(&medium.phase),
         "box": shell.map(|b| [b.min.to_array(), b.max.to_array()]),
         "grid": grid,
     });
     Ok(Ok((value, bounds)))
+}
+
+/// A phase function as the peer's own description of it.
+fn phase(phase: &PhaseFunction) -> Value {
+    match *phase {
+        PhaseFunction::HenyeyGreenstein { g: 0.0 } => json!({ "type": "isotropic" }),
+        PhaseFunction::HenyeyGreenstein { g } => json!({ "type": "hg", "g": g }),
+    }
 }
 
 /// Where a grid's clip box lies, unless it is turned or mirrored.

@@ -49,7 +49,7 @@ pub(crate) struct ShadowMaps {
 /// Plans the maps where visibility is looked up in them.
 pub(super) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) {
     let facts = input.facts;
-    let views = facts.spot_lights + 6 * facts.point_lights + facts.directional_lights;
+    let views = facts.shadow_views();
     let side = input.settings.shadows.resolution;
     plan.run(
         NewPass::new(PASS, Programs::None, RenderMaps).keeps(KeptKind::of::<ShadowMaps>(

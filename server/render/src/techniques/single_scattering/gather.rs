@@ -23,7 +23,7 @@ const ROWS: ResourceSpec =
     ResourceSpec::texture("gathered_rows", wgpu::TextureFormat::Rgba32Float);
 const GATHERED: ResourceSpec =
     ResourceSpec::texture("gathered_radiance", wgpu::TextureFormat::Rgba32Float);
-/// See `pixel_list.wesl`: four words, then up to one a pixel.
+/// See `low_resolution/pixel_list.wesl`: four words, then up to one a pixel.
 const LIST: ResourceSpec = ResourceSpec::buffer(
     "rejected_pixels",
     Bytes::OfPicture(|[width, height]| 16 + 4 * u64::from(width) * u64::from(height)),

@@ -18,6 +18,8 @@ pub(crate) struct March {
     pub interleave: u32,
     /// Side of the block of pixels of which one is marched.
     pub spacing: u32,
+    /// Whether samples lie at random places in their strata, and the marched pixel in its block.
+    pub jitter: bool,
     /// Whether a ray takes no more than it can cross voxels of density grids.
     pub by_voxels: bool,
     /// Whether half of them are equiangular about the light.
@@ -57,6 +59,7 @@ impl March {
                 steps: NODES,
                 interleave: 1,
                 spacing,
+                jitter: wanted.jitter,
                 equiangular: false,
                 quadrature: true,
                 by_voxels: false,
@@ -75,6 +78,7 @@ impl March {
             },
             interleave,
             spacing,
+            jitter: wanted.jitter,
             equiangular,
             quadrature: false,
             by_voxels: by_voxels(facts) && !limits.unskipped,
@@ -87,6 +91,7 @@ impl March {
         Constants::default()
             .number("INTERLEAVE", self.interleave)
             .number("SPACING", self.spacing)
+            .flag("CORNER_MOVES", self.jitter)
             .flag("EQUIANGULAR", self.equiangular)
             .flag("QUADRATURE", self.quadrature)
             .flag("BY_VOXELS", self.by_voxels)
@@ -139,7 +144,7 @@ impl March {
         };
         let media = facts.media;
         let mut why = format!("{steps} {kind} a ray, {lights} lights, {media} media");
-        let positioned = facts.point_lights + facts.spot_lights;
+        let positioned = facts.positioned_lights();
         if input.settings.single_scattering.equiangular && !self.equiangular && positioned > 1 {
             why = format!(
                 "{why}; none equiangular: beside density grids all lights share the strata, and {positioned} have a position"
@@ -176,14 +181,14 @@ impl March {
 /// Whether strata can follow a light: each light has its own but beside density grids, whose optical
 /// depth is summed up along the strata of all.
 fn equiangular_about(facts: &SceneFacts) -> bool {
-    let positioned = facts.point_lights + facts.spot_lights;
+    let positioned = facts.positioned_lights();
     positioned == 1 || (positioned > 1 && facts.grids == 0)
 }
 
 /// Whether the density alone says how fine strata must be: not where another medium, or a light among
 /// them, varies faster. Measured on smoke of 64³ voxels, where half a stratum a voxel still does.
 fn by_voxels(facts: &SceneFacts) -> bool {
-    facts.grids > 0 && facts.grids == facts.media && facts.point_lights + facts.spot_lights == 0
+    facts.grids > 0 && facts.grids == facts.media && facts.positioned_lights() == 0
 }
 
 /// Most steps of a march that keep an invocation below the driver's loop cap.

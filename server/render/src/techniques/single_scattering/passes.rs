@@ -12,7 +12,7 @@ use crate::stages::surfaces::depth;
 /// Light scattered once in the media.
 pub(super) const MARCH: PassId = PassId("single_scattering");
 
-/// Radiance (W·m⁻²·sr⁻¹), whole; alpha as in `low_resolution/march_end.wesl`.
+/// Radiance (W·m⁻²·sr⁻¹), whole; alpha as in `low_resolution/distance_share.wesl`.
 pub(super) const IN_SCATTER: ResourceSpec =
     ResourceSpec::texture("in_scattered_radiance", wgpu::TextureFormat::Rgba32Float);
 
@@ -65,7 +65,7 @@ pub(super) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer>
             SETTINGS,
             &MarchSettings {
                 steps: march.steps,
-                jitter: input.settings.single_scattering.jitter.into(),
+                jitter: march.jitter.into(),
             },
         )
         .accesses([
