@@ -176,6 +176,7 @@ fn furnish(loaded: &mut Loaded, file_camera: Option<CameraDescription>) {
             sigma_t: Some(Rgb::grey(DEFAULT_DEPTH / extent)),
             albedo: Some(Rgb::grey(0.95)),
             g: 0.3,
+            phase: None,
             emission: Rgb::grey(0.0),
             density_scale: 1.0,
             bounds: Some(Bounds {
