@@ -12,7 +12,7 @@ use link::{Sources, link};
 fn main() {
     let here = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").expect("set by cargo"));
     link(&Sources {
-        list: here.join("probes.txt"),
+        lists: vec![here.join("probes.txt")],
         root: here.join("../shaders/wesl"),
         mounts: vec![("probes".to_owned(), here.join("probes"))],
     });

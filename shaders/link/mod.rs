@@ -1,7 +1,7 @@
-//! Links every line of a list from WESL to plain WGSL, validates it with naga, and writes a table of the
+//! Links every line of some lists from WESL to plain WGSL, validates it with naga, and writes a table of the
 //! results with their reflected bindings and workgroup sizes.
 //!
-//! A part of two build scripts, the product's and the tests': each has its list, so that no shader of a
+//! A part of two build scripts, the product's and the tests': each has its lists, so that no shader of a
 //! test is built into the product.
 
 mod list;
@@ -16,8 +16,8 @@ use wesl::{CompileOptions, Features, Mangler, ModulePath, Router, StandardResolv
 /// Where shaders come from.
 #[derive(Debug)]
 pub struct Sources {
-    /// The list of shaders to build; the head of `shaders/permutations.txt` says what a line holds.
-    pub list: PathBuf,
+    /// The lists of shaders to build; `shaders/wesl/permutations.md` says what a line holds.
+    pub lists: Vec<PathBuf>,
     /// Folder that `package::` stands for.
     pub root: PathBuf,
     /// More folders, each with the module name under `package::` that stands for it.
@@ -33,15 +33,17 @@ pub fn link(sources: &Sources) {
     let folders: Vec<&PathBuf> = std::iter::once(&sources.root)
         .chain(sources.mounts.iter().map(|(_, folder)| folder))
         .collect();
-    for path in folders.iter().copied().chain([&sources.list]) {
+    for path in folders.iter().copied().chain(&sources.lists) {
         println!("cargo::rerun-if-changed={}", path.display());
     }
-    let list = std::fs::read_to_string(&sources.list).expect("the list is readable");
+    let read = |path| std::fs::read_to_string(path).expect("the list is readable");
+    let lists: Vec<String> = sources.lists.iter().map(read).collect();
     let mut known = BTreeMap::new();
     for folder in folders {
         known.append(&mut features_used(folder));
     }
-    let permutations: Vec<Permutation> = list.lines().flat_map(list::permutations_of).collect();
+    let lines = lists.iter().flat_map(|list| list.lines());
+    let permutations: Vec<Permutation> = lines.flat_map(list::permutations_of).collect();
     let build = |permutation: &Permutation| {
         let name = &permutation.name;
         let mut features = known.clone();

@@ -1,6 +1,6 @@
 //! Shaders: WESL sources linked at build time to WGSL, and the Rust mirrors of the shared structs.
 //!
-//! `permutations.txt` lists every shader; `link/` links, validates and reflects them; [`shader`]
+//! A `permutations.txt` in each folder lists its shaders; `link/` links, validates and reflects them; [`shader`]
 //! finds one by name. No device is needed.
 
 mod table;

@@ -3,7 +3,7 @@
 /// One linked, validated shader.
 #[derive(Debug, Clone, Copy)]
 pub struct Shader {
-    /// Name in `permutations.txt`.
+    /// Name in its `permutations.txt`.
     pub name: &'static str,
     /// Plain WGSL.
     pub wgsl: &'static str,
@@ -73,12 +73,12 @@ impl Shader {
 
 static SHADERS: &[Shader] = include!(concat!(env!("OUT_DIR"), "/table.rs"));
 
-/// Every shader, in the order of `permutations.txt`.
+/// Every shader, in the order of the lists.
 pub fn all() -> &'static [Shader] {
     SHADERS
 }
 
-/// The shader named `name` in `permutations.txt`.
+/// The shader that its list calls `name`.
 pub fn shader(name: &str) -> Option<&'static Shader> {
     SHADERS.iter().find(|shader| shader.name == name)
 }

@@ -294,8 +294,8 @@ fn every_technique_has_one_name_in_rust_and_wesl() {
 fn plants_a_technique_with_two_names() {
     let good = [
         "server/render/src/techniques/mod.rs",
-        "server/render/src/techniques/surfaces.rs",
-        "shaders/wesl/techniques/surfaces/shade.wesl",
+        "server/render/src/stages/surfaces.rs",
+        "shaders/wesl/stages/surfaces/shade.wesl",
     ];
     assert_none(&layout::technique_pairs(&good));
     let mut bad = good.to_vec();
@@ -323,7 +323,7 @@ fn plants_techniques_that_import_one_another() {
     let check = |source: &Source| layout::technique_imports(source, &names);
     assert_tells(
         check,
-        "server/render/src/techniques/surfaces.rs",
+        "server/render/src/stages/surfaces.rs",
         &[
             "use crate::techniques::reference::Passes;",
             "use super::reference;",
@@ -339,7 +339,7 @@ fn plants_techniques_that_import_one_another() {
         check,
         "shaders/wesl/techniques/reference/trace.wesl",
         &[
-            "import package::techniques::surfaces::shade::a;",
+            "import package::stages::surfaces::shade::a;",
             "import super::super::surfaces::a;",
         ],
         &[

@@ -87,7 +87,7 @@ pub enum RenderError {
     /// A shader or one of its bindings is missing: a mistake in the program.
     #[error("shader {shader}: {what}")]
     Shader {
-        /// Name in `permutations.txt`.
+        /// Name in its `permutations.txt`.
         shader: String,
         /// What is missing.
         what: String,

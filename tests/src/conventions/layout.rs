@@ -20,17 +20,16 @@ macro_rules! pattern {
     };
 }
 
-/// Names of the techniques that have Rust, and of those that have shaders.
+/// Names of the techniques that have Rust, and of those that have shaders: each is a folder.
 pub fn technique_names(paths: &[&str]) -> (BTreeSet<String>, BTreeSet<String>) {
     let first_part = |path: &str, folder: &str| {
         let rest = path.strip_prefix(folder)?;
-        let name = rest.split('/').next()?;
-        Some(name.strip_suffix(".rs").unwrap_or(name).to_owned())
+        let (name, _file) = rest.split_once('/')?;
+        Some(name.to_owned())
     };
     let rust = paths
         .iter()
         .filter_map(|path| first_part(path, RUST_TECHNIQUES))
-        .filter(|name| name != "mod")
         .collect();
     let wesl = paths
         .iter()

@@ -1,6 +1,6 @@
 //! A shader and the features that are on.
 
-/// A line of `permutations.txt`, put together from its parts: `shade` with `mapped` and `grids` is
+/// A line of a `permutations.txt`, put together from its parts: `shade` with `mapped` and `grids` is
 /// `shade+mapped+grids`. Features are given in the order in which the list names them.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct Permutation {

@@ -301,7 +301,7 @@ impl RasterProgram {
 fn find(name: &str) -> Result<&'static Shader, RenderError> {
     tyndall_shaders::shader(name).ok_or_else(|| RenderError::Shader {
         shader: name.to_owned(),
-        what: "not listed in permutations.txt".into(),
+        what: "in no permutations.txt".into(),
     })
 }
 
