@@ -8,6 +8,7 @@ mod conventions;
 mod conventions_names;
 mod conventions_test_files;
 mod correction;
+mod engine;
 mod import_pm_ref;
 mod noop_pipelines;
 mod optical_depth;

@@ -1,6 +1,6 @@
 //! Shader functions on a device against f64 oracles.
 
-use tyndall_tests::{gpu, probes};
+use tyndall_tests::gpu;
 
 #[test]
 fn one_minus_exp_neg_keeps_its_digits_from_1e_minus_8_to_1e4() {

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use tyndall_render::probe;
 use tyndall_scene::{PhaseFunction, PhaseParameters};
 use tyndall_tests::chi_squared::{assert_fits, assert_uniform, bin};
-use tyndall_tests::gpu;
+use tyndall_tests::{gpu, probes};
 
 use super::{AXIS, COUNT, DEVICE, Which, assert_density, direction, sample, turn, with};
 
@@ -73,7 +73,7 @@ fn on_device(phase: &PhaseFunction, directions: &[Vec3]) -> Vec<[f32; 2]> {
     let count = directions.len() as u32;
     let bytes = probe::run(
         &DEVICE,
-        "probe_phase",
+        probes::named("probe_phase"),
         0,
         &[("inputs", bytemuck::cast_slice(&inputs))],
         u64::from(count) * 8,

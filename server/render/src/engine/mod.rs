@@ -32,7 +32,7 @@ pub(crate) use pipelines::Pipelines;
 pub use pool::MemoryBudget;
 pub(crate) use pool::{Pool, ViewResources};
 pub(crate) use raster::{
-    ColorTarget, DepthTarget, DrawCall, RasterDraw, RasterPass, RasterState, cleared,
+    ColorTarget, DepthTarget, DrawCall, RasterDraw, RasterPass, RasterState, cleared, kept,
 };
 pub use readback::{FinishedFrame, FrameStats};
 pub(crate) use readback::{FrameMeta, ReadbackRing, read_now, statistics_scale, wait};

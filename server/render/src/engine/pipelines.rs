@@ -120,7 +120,16 @@ impl Pipelines {
         name: &str,
         state: &RasterState,
     ) -> Result<Arc<RasterProgram>, RenderError> {
-        let shader = find(name)?;
+        self.raster_of(device, find(name)?, state)
+    }
+
+    /// The raster pipeline of `shader` for `state`, built if this is its first use.
+    pub fn raster_of(
+        &self,
+        device: &Device,
+        shader: &'static Shader,
+        state: &RasterState,
+    ) -> Result<Arc<RasterProgram>, RenderError> {
         let key = Key {
             shader: shader.name,
             constants: Vec::new(),
@@ -160,12 +169,6 @@ impl Pipelines {
             raster,
         };
         self.find(&key).is_some()
-    }
-
-    /// How many are kept.
-    #[cfg(feature = "probe")]
-    pub fn count(&self) -> usize {
-        self.lock().len()
     }
 
     fn lock(&self) -> MutexGuard<'_, Vec<Kept>> {
@@ -348,4 +351,26 @@ fn bind(
         ));
     }
     Ok(groups)
+}
+
+#[cfg(all(test, feature = "noop"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pipelines_that_were_used_longest_ago_make_room() {
+        let device = Device::noop().expect("a device that executes nothing");
+        let pipelines = Pipelines::default();
+        let constants = |i: u32| Constants::default().number("INTERLEAVE", i);
+        let build = |i| pipelines.compute(&device, "gather+rows", &constants(i));
+        for i in 0..MOST_KEPT as u32 + 20 {
+            build(i).expect("built");
+            // In use all the time.
+            build(0).expect("kept");
+        }
+        assert_eq!(pipelines.lock().len(), MOST_KEPT);
+        assert!(pipelines.has_compute("gather+rows", &constants(0)));
+        assert!(!pipelines.has_compute("gather+rows", &constants(1)));
+        assert!(pipelines.has_compute("gather+rows", &constants(MOST_KEPT as u32)));
+    }
 }

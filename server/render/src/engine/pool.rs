@@ -313,6 +313,7 @@ fn kind_of(spec: &ResourceSpec, access: AccessKind, size: [u32; 2]) -> Kind {
                     mips.min(size.max_mips(dimension))
                 },
                 usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::COPY_SRC
                     | match access {
                         AccessKind::Write => wgpu::TextureUsages::STORAGE_BINDING,
                         AccessKind::Attachment => wgpu::TextureUsages::RENDER_ATTACHMENT,

@@ -1,5 +1,7 @@
 //! For tests: single shaders on their own, with buffers bound by name.
 
+pub mod engine;
+
 use crate::engine::{Bindings, Constants, Device, Pipelines, read_now};
 use crate::error::RenderError;
 use crate::stages::{shadow_maps, surfaces};
