@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 use tyndall_scene::{CorrectionMode, Scene};
 
 use crate::{npz, pm_ref, shared_folder};

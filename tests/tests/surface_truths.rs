@@ -16,7 +16,7 @@
 
 use std::path::Path;
 
-use tyndall_metrics::{Image, block_z};
+use tyndall_quality::{Image, block_z};
 use tyndall_scene::StopRule;
 use tyndall_tests::picture_z::picture_z;
 use tyndall_tests::{estimate, gpu, npz};

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use tyndall_metrics::MetricError;
 use tyndall_picture::PictureError;
+use tyndall_quality::QualityError;
 use tyndall_render::RenderError;
 use tyndall_scene::SceneError;
 
@@ -17,7 +17,7 @@ pub enum BenchError {
     Render(#[from] RenderError),
     /// Two pictures could not be compared.
     #[error(transparent)]
-    Metric(#[from] MetricError),
+    Metric(#[from] QualityError),
     /// A picture could not be read or written.
     #[error(transparent)]
     Picture(#[from] PictureError),

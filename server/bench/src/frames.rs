@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use glam::{DQuat, DVec3};
 use serde::Serialize;
-use tyndall_metrics::{Image, estimated_error, relative_rmse_trim_debiased};
+use tyndall_quality::{Image, estimated_error, relative_rmse_trim_debiased};
 use tyndall_render::{FinishedFrame, RenderError, RenderOutcome, Renderer, View};
 use tyndall_scene::{Scene, ShadowMode, StopRule};
 

@@ -219,7 +219,7 @@ fn quote(field: &str) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use tyndall_metrics::Image;
+    use tyndall_quality::Image;
 
     pub(crate) fn row(technique: &str, seconds: f64, error: f32) -> LadderRow {
         let image = |value: f32| Image::new(8, 8, vec![[value; 3]; 64]).unwrap();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 use tyndall_render::{Renderer, Still, View};
 use tyndall_scene::{Scene, StopRule};
 

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use serde_json::json;
-use tyndall_metrics::{Image, estimated_error};
 use tyndall_picture::{Layers, Metadata, hash_bytes, hash_json, read_exr, scene_hash, write_exr};
+use tyndall_quality::{Image, estimated_error};
 use tyndall_render::Renderer;
 use tyndall_scene::description::render::{CorrectionMode, ShadowMode, Technique};
 use tyndall_scene::{Scene, SceneDescription, SceneEdit, apply_edit};

@@ -2,7 +2,7 @@
 //!
 //! The same steps as `shaders/wesl/image/tonemap.wesl`, without its dither.
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 
 /// Largest radiance times exposure that the curve tells apart from infinity.
 const BRIGHTEST: f32 = 1e6;

@@ -3,7 +3,7 @@
 use std::io::{Cursor, Read as _};
 use std::path::Path;
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 
 use crate::PictureError;
 

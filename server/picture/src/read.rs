@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 
 use crate::npy::{read_npy, read_npz};
 use crate::{PictureError, decode_srgb, read_exr};

@@ -2,8 +2,8 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use tyndall_metrics::{Image, magma};
 use tyndall_picture::{display, encode_png};
+use tyndall_quality::{Image, magma};
 
 use super::escape;
 use crate::error::BenchError;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::{
-    BLOCK_SIDE, BlockZ, EstimatedError, Image, MetricError, PIXELS_PER_DEGREE, block_z,
+    BLOCK_SIDE, BlockZ, EstimatedError, Image, PIXELS_PER_DEGREE, QualityError, block_z,
     estimated_error, hdr_flip, mean_ratio, relative_mse, relative_mse_trim, relative_rmse,
     relative_rmse_debiased, relative_rmse_trim, relative_rmse_trim_debiased,
 };
@@ -40,8 +40,8 @@ impl Comparison {
     /// Compares `image` with `reference`.
     ///
     /// # Errors
-    /// [`MetricError`] if the sizes differ, a value is not finite or the reference is black.
-    pub fn of(image: &Image, reference: &Image) -> Result<Self, MetricError> {
+    /// [`QualityError`] if the sizes differ, a value is not finite or the reference is black.
+    pub fn of(image: &Image, reference: &Image) -> Result<Self, QualityError> {
         let known = reference.variance().is_some();
         let any_known = known || image.variance().is_some();
         let blocks = image.width().min(image.height()) >= BLOCK_SIDE;
