@@ -35,6 +35,9 @@ pub enum BenchError {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// Rows could not be written as CSV.
+    #[error("rows as CSV: {0}")]
+    Csv(#[from] csv::Error),
     /// The other renderer can't be run.
     #[error("peer {peer}: {what}")]
     Peer {

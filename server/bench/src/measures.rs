@@ -9,7 +9,8 @@ use tyndall_quality::{
 /// Every measure of one picture against one truth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measures {
-    /// Of radiance; z-scores only where the picture's own variance is known, too.
+    /// Measures of radiance. Without z-scores unless the picture's own variance is known as well as the
+    /// truth's.
     #[serde(flatten)]
     pub radiance: Comparison,
     /// Mean LDR-FLIP of the displayed pictures, at the scene's exposure. Range: [0, 1].

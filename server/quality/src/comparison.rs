@@ -14,15 +14,15 @@ use crate::{
 pub struct Comparison {
     /// √mean((I − R)²) / mean(R).
     pub relative_rmse: f64,
-    /// The same, the reference's variance taken off.
+    /// `relative_rmse` with the reference's own variance taken off.
     pub relative_rmse_debiased: Option<f64>,
-    /// Without the worst 0.1 % of pixels.
+    /// `relative_rmse` without the worst 0.1 % of pixels.
     pub relative_rmse_trim: f64,
-    /// Without them, the reference's variance taken off.
+    /// `relative_rmse_trim` with the reference's own variance taken off.
     pub relative_rmse_trim_debiased: Option<f64>,
     /// mean((I − R)² / (R² + 0.01)).
     pub relative_mse: f64,
-    /// The same without the worst 0.1 % of pixels.
+    /// `relative_mse` without the worst 0.1 % of pixels.
     pub relative_mse_trim: f64,
     /// mean(I) / mean(R).
     pub mean_ratio: f64,
@@ -32,7 +32,7 @@ pub struct Comparison {
     pub hdr_flip: f64,
     /// The picture's relative error as its own variance estimates it.
     pub image_estimated_error: Option<EstimatedError>,
-    /// The reference's.
+    /// The reference's relative error as its own variance estimates it.
     pub reference_estimated_error: Option<EstimatedError>,
 }
 

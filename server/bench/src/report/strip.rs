@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use tyndall_picture::{display, encode_png};
 use tyndall_quality::{Image, magma};
 
-use super::escape;
+use super::escape::escape;
 use crate::error::BenchError;
 use crate::ladder::Claim;
 use crate::measures::error_map;
