@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 use tyndall_render::{Device, DeviceOptions, Renderer, Still, probe};
 use tyndall_scene::description::render::CorrectionMode;
 use tyndall_scene::{Loaded, Scene, SceneDescription};

@@ -5,7 +5,6 @@ pub mod conventions;
 pub mod estimate;
 pub mod gpu;
 pub mod grid_file;
-pub mod npz;
 pub mod pass_times;
 pub mod picture_z;
 pub mod probes;

@@ -1,6 +1,6 @@
 //! Is the difference of two whole pictures noise?
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 
 /// z-score of the picture's mean under both variances, and the ratio of the means, in one channel.
 ///

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 use tyndall_scene::{CorrectionMode, Scene};
 
-use crate::{npz, pm_ref, shared_folder};
+use crate::{pm_ref, shared_folder};
 
 /// A published scene and one of its images.
 #[derive(Debug)]
@@ -27,12 +27,17 @@ pub fn find(name: &str, kind: &str) -> Option<Published> {
         .scene;
     scene.render.correction = CorrectionMode::Off;
     let file = folder.join(format!("data/ref_{name}_{kind}.npz"));
-    let array = |key: &str| npz::read_f32(&file, key).expect("a published image");
-    let rgb = |values: Vec<f32>| -> Vec<[f32; 3]> { values.as_chunks::<3>().0.to_vec() };
-    let squared = |values: Vec<f32>| values.into_iter().map(|v| v * v).collect();
-    let (width, height) = (scene.render.width, scene.render.height);
-    let image = Image::new(width, height, rgb(array("mean")))
-        .and_then(|image| image.with_variance(rgb(squared(array("stderr")))))
-        .expect("a published image has its scene's size");
+    let image = tyndall_picture::read(&file)
+        .expect("a published image")
+        .image;
+    assert_eq!(
+        (image.width(), image.height()),
+        (scene.render.width, scene.render.height),
+        "a published image has its scene's size"
+    );
+    assert!(
+        image.variance().is_some(),
+        "a published image has its error"
+    );
     Some(Published { scene, image })
 }

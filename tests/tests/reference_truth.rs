@@ -12,7 +12,7 @@
     reason = "helper functions of tests"
 )]
 
-use tyndall_metrics::{BLOCK_SIDE, block_z};
+use tyndall_quality::{BLOCK_SIDE, block_z};
 use tyndall_scene::{StopRule, Technique};
 use tyndall_tests::picture_z::picture_z;
 use tyndall_tests::{gpu, published};

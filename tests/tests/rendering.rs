@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use tyndall_metrics::relative_rmse_trim;
+use tyndall_quality::relative_rmse_trim;
 use tyndall_render::{RenderError, RenderOutcome, approximations};
 use tyndall_scene::{ShadowMode, StopRule, Technique, presets};
 use tyndall_tests::gpu;

@@ -16,27 +16,13 @@
 
 use std::path::Path;
 
-use tyndall_metrics::{Image, block_z};
+use tyndall_quality::block_z;
 use tyndall_scene::StopRule;
 use tyndall_tests::picture_z::picture_z;
-use tyndall_tests::{estimate, gpu, npz};
+use tyndall_tests::{estimate, gpu};
 
 /// Side of a block. Unit: pixel.
 const BLOCK: u32 = 4;
-
-/// Radiance and squared standard error of a stored truth.
-fn truth(file: &Path, width: u32, height: u32) -> Image {
-    let triples = |name: &str, map: fn(f32) -> f32| -> Vec<[f32; 3]> {
-        let values = npz::read_f32(file, name).unwrap();
-        let (triples, rest) = values.as_chunks::<3>();
-        assert!(rest.is_empty());
-        triples.iter().map(|rgb| rgb.map(map)).collect()
-    };
-    Image::new(width, height, triples("mean", |v| v))
-        .unwrap()
-        .with_variance(triples("stderr", |v| v * v))
-        .unwrap()
-}
 
 fn agrees(name: &str, samples: u32) {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/data/surface_truths"));
@@ -51,7 +37,11 @@ fn agrees(name: &str, samples: u32) {
     let image = gpu::image(&still)
         .with_variance(variance.iter().map(|v| [v[0], v[1], v[2]]).collect())
         .unwrap();
-    let truth = truth(&folder.join(format!("{name}.npz")), width, height);
+    let truth = tyndall_picture::read(&folder.join(format!("{name}.npz")))
+        .unwrap()
+        .image;
+    assert_eq!((truth.width(), truth.height()), (width, height));
+    assert!(truth.variance().is_some(), "{name}");
     let blocks = block_z(&image, &truth, BLOCK).unwrap();
     let channels: [_; 3] = std::array::from_fn(|c| picture_z(&image, &truth, c));
     println!(

@@ -84,8 +84,7 @@ export class Application {
       onBroken: (reason) => this.complain(reason),
     });
     this.painter = new FramePainter(canvas, {
-      onAcknowledge: (frame, paint_micros) =>
-        this.connection.send({ type: 'ack', frame, paint_micros }),
+      onAcknowledge: (frame) => this.connection.send({ type: 'ack', frame }),
       onPainted: (frame) => this.painted(frame),
       onBroken: (reason) => this.complain(reason),
     });
@@ -183,7 +182,6 @@ export class Application {
       protocol: PROTOCOL_VERSION,
       accept: ['jpeg', 'png'],
       ...this.askedSize,
-      device_pixel_ratio: window.devicePixelRatio,
       resume: this.session,
     };
   }

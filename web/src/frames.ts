@@ -5,8 +5,6 @@ import { HEADER_BYTES } from './protocol.gen';
 
 export interface PaintedFrame {
   header: FrameHeader;
-  /** `performance.now()` when the message arrived. */
-  arrived: number;
   /** `performance.now()` when the picture was on the canvas. */
   painted: number;
   decodeMillis: number;
@@ -14,7 +12,7 @@ export interface PaintedFrame {
 
 export interface FrameEvents {
   /** Every frame, painted or not, exactly once: the server counts them. */
-  onAcknowledge(frame: number, paintMicros: number): void;
+  onAcknowledge(frame: number): void;
   onPainted(frame: PaintedFrame): void;
   onBroken(reason: string): void;
 }
@@ -61,7 +59,7 @@ export class FramePainter {
       return;
     }
     if (!isNewer(header, this.shown)) {
-      this.events.onAcknowledge(header.frame, 0);
+      this.events.onAcknowledge(header.frame);
       return;
     }
     let bitmap: ImageBitmap;
@@ -73,7 +71,7 @@ export class FramePainter {
       });
     } catch {
       if (generation !== this.generation) return;
-      this.events.onAcknowledge(header.frame, 0);
+      this.events.onAcknowledge(header.frame);
       this.events.onBroken(`frame ${header.frame} is not a readable ${header.codec} picture`);
       return;
     }
@@ -84,7 +82,7 @@ export class FramePainter {
     // Two decodes may finish out of order.
     if (!isNewer(header, this.shown)) {
       bitmap.close();
-      this.events.onAcknowledge(header.frame, 0);
+      this.events.onAcknowledge(header.frame);
       return;
     }
     this.shown = header;
@@ -93,7 +91,7 @@ export class FramePainter {
     const decoded = performance.now();
     this.context.transferFromImageBitmap(bitmap);
     const painted = performance.now();
-    this.events.onAcknowledge(header.frame, Math.round((painted - arrived) * 1000));
-    this.events.onPainted({ header, arrived, painted, decodeMillis: decoded - arrived });
+    this.events.onAcknowledge(header.frame);
+    this.events.onPainted({ header, painted, decodeMillis: decoded - arrived });
   }
 }

@@ -14,11 +14,7 @@ export type Ack = {
 /**
  * `frame_id` of the header.
  */
-frame: number, 
-/**
- * Time from the frame's arrival to its painting; only told, not used. Unit: µs.
- */
-paint_micros?: number | null, };
+frame: number, };
 
 /**
  * What renders.
@@ -486,10 +482,6 @@ width: number,
  * Height of the picture wanted. Unit: device pixel.
  */
 height: number, 
-/**
- * Device pixels per CSS pixel; only told, not used.
- */
-device_pixel_ratio: number, 
 /**
  * `session` of an earlier welcome, to go on with its state.
  */

@@ -3,36 +3,38 @@
 //! All of it is wall time, so that a slow or busy machine measures less instead of taking longer.
 //! Pipelines, warm-up frames and error measures come on top.
 
-/// Of a whole run. Unit: s.
+/// Time of a whole quick run, however many scenes it has. Unit: s.
 const RUN: f64 = 170.0;
-/// Of one scene at most: few scenes are measured as many are, by the same kept truths. Unit: s.
+/// Longest time of one scene: a run over few scenes gives each as much as a run over seven would, so that
+/// truths kept by one serve the other. Unit: s.
 const SCENE: f64 = 24.0;
-/// Shares of a scene's time. The rows' share is what the longest of them take: most need less.
+/// Shares of a scene's time. The rows' share is for the rows that use up their time: the others end
+/// earlier.
 const TRUTH: f64 = 0.20;
 const ROWS: f64 = 0.35;
 const FRAMES: f64 = 0.06;
 const REST: f64 = 0.06;
 const MOTION_TRUTH: f64 = 0.10;
-/// Rows of a scene that take all of their time.
+/// How many rows of a scene use up their time.
 const LONG_ROWS: f64 = 4.0;
 
-/// Times of one scene. Unit: s.
+/// Longest times of the measurements of one scene. Unit: s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
-    /// One truth; there are two.
+    /// One truth: all paths, or those of at most one scattering.
     pub truth: f64,
-    /// One row.
+    /// One row: a technique at one setting.
     pub row: f64,
     /// Frames of the moving camera.
     pub frames: f64,
-    /// Samples at rest that follow them.
+    /// Samples at rest, taken after the frames.
     pub rest: f64,
-    /// What those are judged by.
+    /// The converged picture that frames and samples at rest are judged by.
     pub motion_truth: f64,
 }
 
 impl Budget {
-    /// Of a quick run over so many scenes.
+    /// Divides a quick run's time over so many scenes.
     pub fn quick(scenes: usize) -> Self {
         let scene = (RUN / scenes.max(1) as f64).min(SCENE);
         Self {
@@ -44,7 +46,7 @@ impl Budget {
         }
     }
 
-    /// Of a thorough run: settings, not time, end most of it.
+    /// Times of a thorough run, so long that most measurements end with their last sample instead.
     pub fn thorough() -> Self {
         Self {
             truth: 600.0,

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use tyndall_metrics::MetricError;
 use tyndall_picture::PictureError;
+use tyndall_quality::QualityError;
 use tyndall_render::RenderError;
 use tyndall_scene::SceneError;
 
@@ -17,7 +17,7 @@ pub enum BenchError {
     Render(#[from] RenderError),
     /// Two pictures could not be compared.
     #[error(transparent)]
-    Metric(#[from] MetricError),
+    Metric(#[from] QualityError),
     /// A picture could not be read or written.
     #[error(transparent)]
     Picture(#[from] PictureError),
@@ -35,6 +35,9 @@ pub enum BenchError {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// Rows could not be written as CSV.
+    #[error("rows as CSV: {0}")]
+    Csv(#[from] csv::Error),
     /// The other renderer can't be run.
     #[error("peer {peer}: {what}")]
     Peer {

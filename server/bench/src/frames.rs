@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 
 use glam::{DQuat, DVec3};
 use serde::Serialize;
-use tyndall_metrics::{Image, estimated_error, relative_rmse_trim_debiased};
-use tyndall_render::{FinishedFrame, RenderError, RenderOutcome, Renderer, View};
+use tyndall_quality::{Image, estimated_error, relative_rmse_trim_debiased};
+use tyndall_render::{RenderError, Renderer, View};
 use tyndall_scene::{Scene, ShadowMode, StopRule};
 
 use crate::error::BenchError;
 use crate::memory::resident_bytes;
-use crate::shot::shoot;
+use crate::shot::{next_frame, shoot};
 use crate::statistics::Summary;
 use crate::truth::{another_seed, settle};
 
@@ -26,17 +26,17 @@ pub struct FrameBench {
     pub width: u32,
     /// Unit: pixel.
     pub height: u32,
-    /// Frames to time, at most.
+    /// Most frames to time.
     pub frames: u32,
-    /// Longest time of them. Unit: s.
+    /// Longest time of the frames. Unit: s.
     pub frames_seconds: f64,
-    /// Samples at rest, at most.
+    /// Most samples at rest.
     pub rest_samples: u32,
-    /// Longest time of them. Unit: s.
+    /// Longest time of the samples at rest. Unit: s.
     pub rest_seconds: f64,
-    /// Samples of the converged picture, at most.
+    /// Most samples of the converged picture.
     pub truth_samples: u32,
-    /// Longest time of them. Unit: s.
+    /// Longest time of the converged picture. Unit: s.
     pub truth_seconds: f64,
 }
 
@@ -69,13 +69,13 @@ pub struct Row {
     pub error_one_sample: f64,
     /// Samples taken at rest.
     pub rest_samples: u32,
-    /// The same of them.
+    /// Error of the picture at rest, measured as `error_one_sample` is.
     pub error_at_rest: f64,
-    /// Wall time of them. Unit: s.
+    /// Wall time of the samples at rest. Unit: s.
     pub seconds_at_rest: f64,
     /// Samples of the converged picture.
     pub truth_samples: u32,
-    /// Its own relative error.
+    /// Relative error of the converged picture, estimated from its own variance.
     pub truth_error: Option<f64>,
     /// Non-finite samples over all frames.
     pub non_finite: u64,
@@ -201,21 +201,6 @@ impl FrameBench {
         resident[1] = resident_bytes();
         Ok((times, passes, non_finite, resident))
     }
-}
-
-/// Renders one frame and waits for it.
-pub(crate) fn next_frame(
-    renderer: &mut Renderer,
-    view: &mut View,
-) -> Result<FinishedFrame, RenderError> {
-    if renderer.render(view, 0)? != RenderOutcome::Submitted {
-        return Err(RenderError::Refused(
-            "the view had nothing to render".into(),
-        ));
-    }
-    renderer.wait()?;
-    view.take_finished()
-        .ok_or_else(|| RenderError::Refused("no frame arrived".into()))
 }
 
 impl fmt::Display for Row {

@@ -4,7 +4,7 @@
 //! clock, beside the error of one such frame. [`Suite`] climbs a ladder of settings of each technique
 //! at rest and judges every picture against the truth, whole and restricted to the paths that the
 //! technique claims; another renderer can be measured beside ([`PeerOptions`]). Results come as
-//! text ([`table`]), [`csv`], JSON (the rows) and [`html`].
+//! text ([`table()`]), [`csv()`], JSON (the rows) and [`html`].
 
 mod budget;
 mod error;
@@ -30,7 +30,6 @@ pub use frames::{FrameBench, Row};
 pub use claim::Claim;
 pub use machine::Machine;
 pub use measures::Measures;
-pub use memory::resident_bytes;
 pub use peer::PeerOptions;
 pub use report::html;
 pub use row::{LadderRow, csv};

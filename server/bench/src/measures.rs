@@ -1,15 +1,16 @@
 //! Every measure of one picture against the truths that are known.
 
 use serde::Serialize;
-use tyndall_metrics::{
-    Comparison, FlipMap, Image, MetricError, PIXELS_PER_DEGREE, hdr_flip, ldr_flip,
-};
 use tyndall_picture::exposed;
+use tyndall_quality::{
+    Comparison, FlipMap, Image, PIXELS_PER_DEGREE, QualityError, hdr_flip, ldr_flip,
+};
 
 /// Every measure of one picture against one truth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measures {
-    /// Of radiance; z-scores only where the picture's own variance is known, too.
+    /// Measures of radiance. Without z-scores unless the picture's own variance is known as well as the
+    /// truth's.
     #[serde(flatten)]
     pub radiance: Comparison,
     /// Mean LDR-FLIP of the displayed pictures, at the scene's exposure. Range: [0, 1].
@@ -18,7 +19,7 @@ pub struct Measures {
 
 impl Measures {
     /// Measures `image` against `truth`.
-    pub(crate) fn of(image: &Image, truth: &Image, exposure_ev: f32) -> Result<Self, MetricError> {
+    pub(crate) fn of(image: &Image, truth: &Image, exposure_ev: f32) -> Result<Self, QualityError> {
         let shown =
             |image: &Image| Image::new(image.width(), image.height(), exposed(image, exposure_ev));
         let flip = ldr_flip(&shown(image)?, &shown(truth)?, PIXELS_PER_DEGREE)?;
@@ -41,6 +42,6 @@ impl Measures {
 }
 
 /// FLIP error picture, pixel by pixel.
-pub(crate) fn error_map(image: &Image, truth: &Image) -> Result<FlipMap, MetricError> {
+pub(crate) fn error_map(image: &Image, truth: &Image) -> Result<FlipMap, QualityError> {
     Ok(hdr_flip(image, truth, PIXELS_PER_DEGREE)?.map)
 }

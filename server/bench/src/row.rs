@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::claim::Claim;
+use crate::error::BenchError;
 use crate::measures::Measures;
 use crate::statistics::Summary;
 
@@ -37,11 +38,12 @@ pub struct LadderRow {
     pub frame_millis: Option<Summary>,
     /// Device time of each pass. Unit: ms.
     pub pass_millis: Vec<(String, Summary)>,
-    /// Against all paths.
+    /// Errors against the truth of all paths.
     pub whole: Option<Measures>,
-    /// Against the paths that the technique claims.
+    /// Errors against the truth of the paths that the technique claims.
     pub claimed: Option<Measures>,
-    /// The truth's own relative error, trimmed: no error below it is known.
+    /// Relative error of the truth itself, estimated from its variance without the worst 0.1 % of pixels:
+    /// smaller errors of the row can't be told from it.
     pub truth_error: Option<f64>,
     /// Samples that were not finite.
     pub non_finite: u64,
@@ -53,9 +55,9 @@ pub struct LadderRow {
     pub pareto_whole: bool,
     /// No other row of the same claim is both faster and closer to it.
     pub pareto_claimed: bool,
-    /// What produced it.
+    /// Adapter, or the CPU that the peer ran on.
     pub device: String,
-    /// Version of that.
+    /// Version of the driver, or of the peer.
     pub driver: String,
     /// Commit of this program.
     pub commit: String,
@@ -109,63 +111,108 @@ pub(crate) fn mark_pareto(rows: &mut [LadderRow]) {
 }
 
 /// Rows as CSV, one line each, numbers in full.
-pub fn csv(rows: &[LadderRow]) -> String {
-    let mut text = String::from(
-        "scene,scene_hash,technique,steps,samples,cut_short,width,height,seed,claim,seconds,cpu_seconds,\
-         frame_millis_median,frame_millis_p95,pass_millis_median_sum",
-    );
-    for truth in ["whole", "claimed"] {
-        for name in NAMES {
-            text += &format!(",{truth}_{name}");
-        }
-    }
-    text += ",truth_error,efficiency,non_finite,resident_bytes,device_bytes,pareto_whole,\
-             pareto_claimed,device,driver,commit\n";
+///
+/// # Errors
+/// [`BenchError::Csv`] if a line has more or fewer fields than there are columns.
+pub fn csv(rows: &[LadderRow]) -> Result<String, BenchError> {
+    let mut lines = csv::Writer::from_writer(Vec::new());
+    lines.write_record(columns())?;
     for row in rows {
-        let mut fields = vec![
-            row.scene.clone(),
-            row.scene_hash.clone(),
-            row.technique.clone(),
-            optional(row.steps),
-            row.samples.to_string(),
-            row.cut_short.to_string(),
-            row.width.to_string(),
-            row.height.to_string(),
-            row.seed.to_string(),
-            row.claim.label().to_owned(),
-            row.seconds.to_string(),
-            optional(row.cpu_seconds),
-            optional(row.frame_millis.map(|frame| frame.median)),
-            optional(row.frame_millis.map(|frame| frame.p95)),
-            row.pass_millis
-                .iter()
-                .map(|(_, pass)| pass.median)
-                .sum::<f64>()
-                .to_string(),
-        ];
-        for measures in [&row.whole, &row.claimed] {
-            match measures {
-                Some(measures) => fields.extend(values(measures).map(optional)),
-                None => fields.extend(NAMES.iter().map(|_| String::new())),
-            }
-        }
-        fields.extend([
-            optional(row.truth_error),
-            optional(row.efficiency()),
-            row.non_finite.to_string(),
-            optional(row.resident_bytes),
-            optional(row.device_bytes),
-            row.pareto_whole.to_string(),
-            row.pareto_claimed.to_string(),
-            row.device.clone(),
-            row.driver.clone(),
-            row.commit.clone(),
-        ]);
-        let quoted: Vec<String> = fields.iter().map(|field| quote(field)).collect();
-        text += &quoted.join(",");
-        text.push('\n');
+        lines.write_record(fields(row))?;
     }
-    text
+    let bytes = lines
+        .into_inner()
+        .map_err(|error| csv::Error::from(error.into_error()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// Names of the columns, in the order of [`fields`].
+fn columns() -> Vec<String> {
+    let of = |truth: &str| NAMES.map(|name| format!("{truth}_{name}"));
+    let mut columns = [
+        "scene",
+        "scene_hash",
+        "technique",
+        "steps",
+        "samples",
+        "cut_short",
+        "width",
+        "height",
+        "seed",
+        "claim",
+        "seconds",
+        "cpu_seconds",
+        "frame_millis_median",
+        "frame_millis_p95",
+        "pass_millis_median_sum",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    columns.extend(of("whole"));
+    columns.extend(of("claimed"));
+    columns.extend(
+        [
+            "truth_error",
+            "efficiency",
+            "non_finite",
+            "resident_bytes",
+            "device_bytes",
+            "pareto_whole",
+            "pareto_claimed",
+            "device",
+            "driver",
+            "commit",
+        ]
+        .map(str::to_owned),
+    );
+    columns
+}
+
+/// A row's values; what is not known is empty.
+fn fields(row: &LadderRow) -> Vec<String> {
+    // The sum of nothing is −0, which becomes 0.
+    let passes = row
+        .pass_millis
+        .iter()
+        .map(|(_, pass)| pass.median)
+        .sum::<f64>()
+        + 0.0;
+    let mut fields = vec![
+        row.scene.clone(),
+        row.scene_hash.clone(),
+        row.technique.clone(),
+        optional(row.steps),
+        row.samples.to_string(),
+        row.cut_short.to_string(),
+        row.width.to_string(),
+        row.height.to_string(),
+        row.seed.to_string(),
+        row.claim.label().to_owned(),
+        row.seconds.to_string(),
+        optional(row.cpu_seconds),
+        optional(row.frame_millis.map(|frame| frame.median)),
+        optional(row.frame_millis.map(|frame| frame.p95)),
+        passes.to_string(),
+    ];
+    for measures in [&row.whole, &row.claimed] {
+        match measures {
+            Some(measures) => fields.extend(values(measures).map(optional)),
+            None => fields.extend(NAMES.map(|_| String::new())),
+        }
+    }
+    fields.extend([
+        optional(row.truth_error),
+        optional(row.efficiency()),
+        row.non_finite.to_string(),
+        optional(row.resident_bytes),
+        optional(row.device_bytes),
+        row.pareto_whole.to_string(),
+        row.pareto_claimed.to_string(),
+        row.device.clone(),
+        row.driver.clone(),
+        row.commit.clone(),
+    ]);
+    fields
 }
 
 /// Measures in the order of [`values`].
@@ -208,18 +255,10 @@ fn optional(value: Option<impl std::fmt::Display>) -> String {
     value.map(|value| value.to_string()).unwrap_or_default()
 }
 
-fn quote(field: &str) -> String {
-    if field.contains([',', '"', '\n']) {
-        format!("\"{}\"", field.replace('"', "\"\""))
-    } else {
-        field.to_owned()
-    }
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use tyndall_metrics::Image;
+    use tyndall_quality::Image;
 
     pub(crate) fn row(technique: &str, seconds: f64, error: f32) -> LadderRow {
         let image = |value: f32| Image::new(8, 8, vec![[value; 3]; 64]).unwrap();
@@ -273,13 +312,32 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn every_csv_line_has_every_column() {
-        let text = csv(&[row("a", 1.0, 0.5)]);
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 2);
-        assert!(lines[1].contains("\"d, \"\"e\"\"\""), "{}", lines[1]);
-        // The quoted field holds one comma.
-        let columns = |line: &str| line.matches(',').count();
-        assert_eq!(columns(lines[0]) + 1, columns(lines[1]));
+    fn csv_has_a_value_in_every_column_that_is_known_and_quotes_where_it_must() {
+        let text = csv(&[row("a", 1.5, 0.5)]).unwrap();
+        assert!(text.starts_with("scene,scene_hash,technique,steps,samples,cut_short,width,"));
+        assert!(
+            text.contains("\ns,0,a,8,1,false,8,8,0,whole,1.5,,,,0,0.5,"),
+            "{text}"
+        );
+        assert!(
+            text.ends_with(",false,false,\"d, \"\"e\"\"\",,\n"),
+            "{text}"
+        );
+        let mut table = csv::Reader::from_reader(text.as_bytes());
+        let columns = table.headers().unwrap().clone();
+        let lines: Vec<_> = table.records().map(Result::unwrap).collect();
+        assert_eq!(lines.len(), 1);
+        let value = |name: &str| &lines[0][columns.iter().position(|c| c == name).unwrap()];
+        for (name, expected) in [
+            ("whole_relative_rmse", "0.5"),
+            ("claimed_relative_rmse", "0.5"),
+            ("claimed_relative_rmse_debiased", ""),
+            ("claimed_mean_ratio", "1.5"),
+            ("truth_error", "0.001"),
+            ("pareto_claimed", "false"),
+            ("device", "d, \"e\""),
+        ] {
+            assert_eq!(value(name), expected, "{name}");
+        }
     }
 }

@@ -3,12 +3,11 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use tyndall_metrics::Image;
-use tyndall_render::{Renderer, Still, View};
+use tyndall_quality::Image;
+use tyndall_render::{FinishedFrame, RenderError, RenderOutcome, Renderer, Still, View};
 use tyndall_scene::{Scene, StopRule};
 
 use crate::error::BenchError;
-use crate::frames::next_frame;
 use crate::machine::cpu_seconds;
 use crate::statistics::Summary;
 
@@ -92,6 +91,21 @@ pub(crate) fn shoot(
     })
 }
 
+/// Renders one frame and waits for it.
+pub(crate) fn next_frame(
+    renderer: &mut Renderer,
+    view: &mut View,
+) -> Result<FinishedFrame, RenderError> {
+    if renderer.render(view, 0)? != RenderOutcome::Submitted {
+        return Err(RenderError::Refused(
+            "the view had nothing to render".into(),
+        ));
+    }
+    renderer.wait()?;
+    view.take_finished()
+        .ok_or_else(|| RenderError::Refused("no frame arrived".into()))
+}
+
 /// With the variance of the mean, where the technique keeps it.
 fn image(width: u32, height: u32, still: &Still) -> Result<Image, BenchError> {
     let image = Image::from_rgba(width, height, &still.radiance)?;
@@ -121,7 +135,7 @@ impl Times {
         Ok(frame.samples)
     }
 
-    fn add(&mut self, started: Instant, frame: &tyndall_render::FinishedFrame) {
+    fn add(&mut self, started: Instant, frame: &FinishedFrame) {
         self.frames.push(started.elapsed().as_secs_f64() * 1e3);
         for pass in &frame.pass_times {
             let millis = f64::from(pass.micros) / 1e3;

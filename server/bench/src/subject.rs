@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 use tyndall_scene::{Loaded, SceneDescription};
 
 use crate::error::BenchError;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use tyndall_metrics::Image;
 use tyndall_picture::scene_hash;
+use tyndall_quality::Image;
 use tyndall_render::{Renderer, Rung, ladder};
 use tyndall_scene::description::render::{CorrectionMode, Technique};
 use tyndall_scene::{Scene, SceneEdit, apply_edit};

@@ -12,16 +12,16 @@ use crate::suite::SceneResult;
 pub struct Efficiency {
     /// Technique or peer.
     pub technique: String,
-    /// What it is judged by.
+    /// Which paths it claims, and is judged by.
     pub claim: Claim,
     /// 1/(seconds × relative variance) of its last rung. Unit: s⁻¹.
     pub efficiency: f64,
-    /// Share of Mitsuba's for the same paths, if that ran.
+    /// Its efficiency divided by Mitsuba's for the same paths; `None` if Mitsuba did not run.
     pub of_peer: Option<f64>,
 }
 
-/// Efficiencies of the last rung of each technique. Biased techniques have one, too, at that rung:
-/// it falls with more samples once bias rules.
+/// Efficiencies of each technique at its last setting. A biased technique's says something about that
+/// setting only: once most of its error is bias, more samples take time and no longer reduce the error.
 pub fn efficiencies(rows: &[LadderRow]) -> Vec<Efficiency> {
     let mut found: Vec<Efficiency> = Vec::new();
     for row in rows {

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use serde_json::json;
-use tyndall_metrics::{Image, estimated_error};
 use tyndall_picture::{Layers, Metadata, hash_bytes, hash_json, read_exr, scene_hash, write_exr};
+use tyndall_quality::{Image, estimated_error};
 use tyndall_render::Renderer;
 use tyndall_scene::description::render::{CorrectionMode, ShadowMode, Technique};
 use tyndall_scene::{Scene, SceneDescription, SceneEdit, apply_edit};
@@ -15,12 +15,12 @@ use crate::claim::Claim;
 use crate::shot::{WARM_UP, shoot};
 use crate::subject::Subject;
 
-/// Pictures of different seeds whose scatter is the variance of their mean. All take the same
-/// positions inside a pixel: what those leave at edges is not in it.
+/// A truth is the mean of so many pictures of different seeds; how they scatter gives its variance. All
+/// have the same positions inside a pixel, so the error that these leave at edges is not in the variance.
 const BATCHES: u32 = 8;
 /// March steps of a truth that is marched.
 const STEPS: u32 = 64;
-/// Changes whenever truths of the same settings are made otherwise.
+/// Raised whenever the same settings give another truth than before: kept ones are then made anew.
 const FORMAT: u32 = 2;
 
 /// How truths are made.

@@ -2,7 +2,7 @@
 //!
 //! The same steps as `shaders/wesl/image/tonemap.wesl`, without its dither.
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 
 /// Largest radiance times exposure that the curve tells apart from infinity.
 const BRIGHTEST: f32 = 1e6;
@@ -35,7 +35,7 @@ pub fn display(image: &Image, exposure_ev: f32) -> Vec<[u8; 3]> {
 }
 
 /// sRGB of a linear value, IEC 61966-2-1. Range: [0, 1] to [0, 1].
-pub fn encode_srgb(linear: f32) -> f32 {
+fn encode_srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 {
         12.92 * linear
     } else {
@@ -44,7 +44,7 @@ pub fn encode_srgb(linear: f32) -> f32 {
 }
 
 /// Linear value of sRGB, IEC 61966-2-1. Range: [0, 1] to [0, 1].
-pub fn decode_srgb(encoded: f32) -> f32 {
+pub(crate) fn decode_srgb(encoded: f32) -> f32 {
     if encoded <= 0.040_45 {
         encoded / 12.92
     } else {

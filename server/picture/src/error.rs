@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use tyndall_metrics::MetricError;
+use tyndall_quality::QualityError;
 
 /// Why a picture can't be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -43,7 +43,7 @@ pub enum PictureError {
     },
     /// The pixels make no image.
     #[error(transparent)]
-    Image(#[from] MetricError),
+    Image(#[from] QualityError),
     /// A PNG could not be encoded.
     #[error("cannot encode PNG: {0}")]
     Png(#[from] png::EncodingError),

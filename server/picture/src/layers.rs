@@ -1,6 +1,6 @@
 //! What a still consists of, whichever technique made it.
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 
 use crate::PictureError;
 

@@ -15,7 +15,7 @@ mod npy;
 mod png_file;
 mod read;
 
-pub use display::{decode_srgb, display, encode_srgb, exposed};
+pub use display::{display, exposed};
 pub use error::PictureError;
 pub use exr_read::read_exr;
 pub use exr_write::write_exr;

@@ -1,123 +1,79 @@
 //! `NumPy` arrays of pixels: `.npy`, and the `mean` and `stderr` of an `.npz`.
 
-use std::io::{Cursor, Read as _};
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
+use tyndall_volume::npy::Array;
+use tyndall_volume::npz;
 
 use crate::PictureError;
 
 /// Largest array that is read. Unit: byte.
 const LARGEST: u64 = 4 << 30;
+/// The axes that a picture has.
+const AXES: &str = "(height, width, 3 or more)";
 
-/// Reads an array of shape [height, width, 3 or more], float32 or float64, C order.
+/// Reads an array of shape [height, width, 3 or more] of floating-point numbers in C order.
 ///
 /// # Errors
 /// [`PictureError`] with what was found instead.
 pub fn read_npy(path: &Path) -> Result<Image, PictureError> {
-    let bytes = std::fs::read(path).map_err(|error| PictureError::io(path, error))?;
-    let (width, height, pixels) =
-        parse(&bytes).map_err(|what| PictureError::content(path, what))?;
-    Ok(Image::new(width, height, pixels)?)
+    let file = File::open(path).map_err(|error| PictureError::io(path, error))?;
+    let length = file
+        .metadata()
+        .map_err(|error| PictureError::io(path, error))?
+        .len();
+    let array = Array::read(&mut BufReader::new(file), length, LARGEST, AXES)
+        .map_err(|error| PictureError::content(path, error))?;
+    let (width, height, rgb) = pixels(&array).map_err(|what| PictureError::content(path, what))?;
+    Ok(Image::new(width, height, rgb)?)
 }
 
 /// Reads arrays `mean` and, if there, `stderr` (standard error, squared into the variance).
 pub(crate) fn read_npz(path: &Path) -> Result<Image, PictureError> {
-    let content = |what: &dyn std::fmt::Display| PictureError::content(path, what);
-    let file = std::fs::File::open(path).map_err(|error| PictureError::io(path, error))?;
-    let mut archive = zip::ZipArchive::new(file).map_err(|error| content(&error))?;
-    let mut member = |name: &str| -> Result<_, PictureError> {
-        let member = archive
-            .by_name(name)
-            .map_err(|error| content(&format_args!("{name}: {error}")))?;
-        let mut bytes = Vec::new();
-        member
-            .take(LARGEST)
-            .read_to_end(&mut bytes)
-            .map_err(|error| PictureError::io(path, error))?;
-        parse(&bytes).map_err(|what| content(&format_args!("{name}: {what}")))
+    let file = File::open(path).map_err(|error| PictureError::io(path, error))?;
+    let member = |name: &str| {
+        let content = |what: &dyn std::fmt::Display| {
+            PictureError::content(path, format_args!("{name}: {what}"))
+        };
+        let array = npz::read_array(BufReader::new(&file), name, LARGEST, AXES);
+        let array = array.map_err(|error| content(&error))?;
+        let read = array.map(|array| pixels(&array)).transpose();
+        read.map_err(|what| content(&what))
     };
-    let (width, height, mean) = member("mean.npy")?;
+    let Some((width, height, mean)) = member("mean")? else {
+        return Err(PictureError::content(path, "no array named mean"));
+    };
     let image = Image::new(width, height, mean)?;
-    let Ok((_, _, stderr)) = member("stderr.npy") else {
+    let Some((_, _, stderr)) = member("stderr")? else {
         return Ok(image);
     };
     let variance = stderr.iter().map(|p| p.map(|value| value * value));
     Ok(image.with_variance(variance.collect())?)
 }
 
-/// Width, height and RGB of an array.
-fn parse(bytes: &[u8]) -> Result<(u32, u32, Vec<[f32; 3]>), String> {
-    let mut reader = Cursor::new(bytes);
-    let mut magic = [0; 8];
-    let short = |_| "the file ends early".to_owned();
-    reader.read_exact(&mut magic).map_err(short)?;
-    if magic[..6] != *b"\x93NUMPY" {
-        return Err("not a .npy array".into());
-    }
-    // The header's length takes 2 bytes in version 1 and 4 after.
-    let mut length = [0; 4];
-    let length_bytes = if magic[6] == 1 { 2 } else { 4 };
-    reader
-        .read_exact(&mut length[..length_bytes])
-        .map_err(short)?;
-    let start = 8 + length_bytes;
-    let end = start + u32::from_le_bytes(length) as usize;
-    let header = bytes
-        .get(start..end)
-        .ok_or("the file ends in its header")
-        .map(String::from_utf8_lossy)?;
-    let size = if header.contains("'<f4'") {
-        4
-    } else if header.contains("'<f8'") {
-        8
-    } else {
-        return Err(format!("{header}: expected '<f4' or '<f8'"));
-    };
-    if !header.contains("'fortran_order': False") {
-        return Err(format!("{header}: expected C order"));
-    }
-    let shape = shape(&header).ok_or_else(|| format!("{header}: no shape"))?;
-    let &[height, width, channels] = shape.as_slice() else {
-        return Err(format!("shape {shape:?}: expected [height, width, 3]"));
-    };
-    let bytes_wanted = height
-        .checked_mul(width)
-        .and_then(|count| count.checked_mul(channels)?.checked_mul(size));
-    let data = &bytes[end..];
-    if channels < 3 || bytes_wanted != Some(data.len() as u64) {
+/// Width, height and RGB of an array; further channels are left out.
+fn pixels(array: &Array) -> Result<(u32, u32, Vec<[f32; 3]>), String> {
+    let [height, width, channels] = array.shape;
+    if channels < 3 {
         return Err(format!(
-            "shape {shape:?} with {} bytes: expected [height, width, 3 or more] of {size} bytes each",
-            data.len()
+            "shape: found {channels} channels, allowed: 3 or more"
         ));
     }
-    let value = |word: &[u8]| match *word {
-        [a, b, c, d] => f32::from_le_bytes([a, b, c, d]),
-        [a, b, c, d, e, f, g, h] => f64::from_le_bytes([a, b, c, d, e, f, g, h]) as f32,
-        _ => f32::NAN,
-    };
-    let size = size as usize;
-    let pixels = data
-        .chunks_exact(channels as usize * size)
-        .map(|pixel| std::array::from_fn(|c| value(&pixel[c * size..(c + 1) * size])))
-        .collect();
-    let side = |value: u64| u32::try_from(value).map_err(|error| format!("side {value}: {error}"));
-    Ok((side(width)?, side(height)?, pixels))
-}
-
-fn shape(header: &str) -> Option<Vec<u64>> {
-    let (_, rest) = header.split_once("'shape': (")?;
-    let (numbers, _) = rest.split_once(')')?;
-    let numbers = numbers.split(',').map(str::trim);
-    numbers
-        .filter(|text| !text.is_empty())
-        .map(|text| text.parse().ok())
-        .collect()
+    let pixels = array.values.chunks_exact(channels as usize);
+    let rgb = pixels.map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    Ok((width, height, rgb))
 }
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write as _;
+
     use super::*;
+
+    const HEADER: &str = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 2, 3), }";
 
     fn array(header: &str, data: &[u8]) -> Vec<u8> {
         let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
@@ -127,31 +83,90 @@ mod tests {
         bytes
     }
 
+    fn floats() -> Vec<u8> {
+        (0..6).flat_map(|i| (i as f32).to_le_bytes()).collect()
+    }
+
+    fn npy(bytes: &[u8]) -> Result<Image, PictureError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.npy");
+        std::fs::write(&path, bytes).unwrap();
+        read_npy(&path)
+    }
+
+    fn npz(arrays: &[(&str, &[u8])]) -> Result<Image, PictureError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.npz");
+        let mut archive = zip::ZipWriter::new(File::create(&path).unwrap());
+        for (name, bytes) in arrays {
+            let options = zip::write::SimpleFileOptions::default();
+            archive.start_file(format!("{name}.npy"), options).unwrap();
+            archive.write_all(bytes).unwrap();
+        }
+        archive.finish().unwrap();
+        read_npz(&path)
+    }
+
     #[test]
     fn float32_and_float64_arrays_are_read() {
-        let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 2, 3), }";
-        let data: Vec<u8> = (0..6).flat_map(|i| (i as f32).to_le_bytes()).collect();
-        let (width, height, pixels) = parse(&array(header, &data)).unwrap();
-        assert_eq!((width, height), (2, 1));
-        assert_eq!(pixels, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
-        let data: Vec<u8> = (0..6).flat_map(|i| f64::from(i).to_le_bytes()).collect();
-        let read = parse(&array(&header.replace("<f4", "<f8"), &data)).unwrap();
-        assert_eq!(read.2, pixels);
+        let image = npy(&array(HEADER, &floats())).unwrap();
+        assert_eq!((image.width(), image.height()), (2, 1));
+        assert_eq!(image.rgb(), [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
+        let doubles: Vec<u8> = (0..6).flat_map(|i| f64::from(i).to_le_bytes()).collect();
+        let read = npy(&array(&HEADER.replace("<f4", "<f8"), &doubles)).unwrap();
+        assert_eq!(read, image);
+    }
+
+    #[test]
+    fn channels_after_the_third_are_left_out() {
+        let header = HEADER.replace("(1, 2, 3)", "(1, 1, 6)");
+        let image = npy(&array(&header, &floats())).unwrap();
+        assert_eq!(image.rgb(), [[0.0, 1.0, 2.0]]);
+    }
+
+    #[test]
+    fn standard_errors_are_squared_into_the_variance() {
+        let bytes = array(HEADER, &floats());
+        let pixels = bytes.as_slice();
+        let image = npz(&[("mean", pixels)]).unwrap();
+        assert_eq!(image.variance(), None);
+        let image = npz(&[("stderr", pixels), ("mean", pixels)]).unwrap();
+        let variance = image.variance().unwrap();
+        assert_eq!(variance, [[0.0, 1.0, 4.0], [9.0, 16.0, 25.0]]);
+        for arrays in [
+            &[("stderr", pixels)][..],
+            &[("mean", pixels), ("stderr", &pixels[..80])],
+        ] {
+            let error = npz(arrays).unwrap_err().to_string();
+            assert!(error.contains("x.npz"), "{error}");
+        }
     }
 
     #[test]
     fn what_is_no_picture_is_refused() {
-        let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (9, 2, 3), }";
-        for bytes in [
-            array(header, &[0; 24]),
-            array(&header.replace("False", "True"), &[0; 216]),
-            array(&header.replace("<f4", "<i4"), &[0; 216]),
-            array(&header.replace("(9, 2, 3)", "(54,)"), &[0; 216]),
-            array(&header.replace("9, 2", "4294967296, 4294967296"), &[0; 24]),
-            b"\x93NUMPY\x01\x00\xff\xff{".to_vec(),
-            b"PK".to_vec(),
+        let header = HEADER.replace("(1, 2, 3)", "(9, 2, 3)");
+        let two = HEADER.replace("(1, 2, 3)", "(1, 3, 2)");
+        for (bytes, what) in [
+            (array(&header, &[0; 24]), "allowed: 216 bytes"),
+            (
+                array(&header.replace("False", "True"), &[0; 216]),
+                "fortran",
+            ),
+            (array(&header.replace("<f4", "<i4"), &[0; 216]), "integers"),
+            (
+                array(&header.replace("(9, 2, 3)", "(54,)"), &[0; 216]),
+                "height",
+            ),
+            (
+                array(&header.replace("9, 2", "4294967295, 4294967295"), &[0; 24]),
+                "allowed: 221360928",
+            ),
+            (array(&two, &[0; 24]), "2 channels"),
+            (b"\x93NUMPY\x01\x00\xff\xff{".to_vec(), "end of the data"),
+            (b"PK".to_vec(), "end of the data"),
         ] {
-            assert!(parse(&bytes).is_err());
+            let error = npy(&bytes).unwrap_err().to_string();
+            assert!(error.contains(what) && error.contains("x.npy"), "{error}");
         }
     }
 }

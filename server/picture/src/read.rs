@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use tyndall_metrics::Image;
+use tyndall_quality::Image;
 
+use crate::display::decode_srgb;
 use crate::npy::{read_npy, read_npz};
-use crate::{PictureError, decode_srgb, read_exr};
+use crate::{PictureError, read_exr};
 
 /// What the values of a picture mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

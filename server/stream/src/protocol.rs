@@ -55,8 +55,6 @@ pub struct Hello {
     pub width: u32,
     /// Height of the picture wanted. Unit: device pixel.
     pub height: u32,
-    /// Device pixels per CSS pixel; only told, not used.
-    pub device_pixel_ratio: f64,
     /// `session` of an earlier welcome, to go on with its state.
     #[serde(default)]
     #[ts(optional = nullable)]
@@ -137,10 +135,6 @@ pub struct Resize {
 pub struct Ack {
     /// `frame_id` of the header.
     pub frame: u32,
-    /// Time from the frame's arrival to its painting; only told, not used. Unit: µs.
-    #[serde(default)]
-    #[ts(optional = nullable)]
-    pub paint_micros: Option<f64>,
 }
 
 /// Says whether anyone can see the picture.

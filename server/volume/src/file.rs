@@ -52,7 +52,7 @@ pub fn read(
         "npz" => npz::read_from(BufReader::new(file), options, limits),
         "npy" => {
             refuse_name(options)?;
-            npy::read_from(&mut BufReader::new(file), Some(length), "", limits)
+            npy::read_from(&mut BufReader::new(file), length, "", limits)
         }
         "vol" => {
             refuse_name(options)?;

@@ -16,6 +16,7 @@ mod limits;
 mod noise;
 pub mod npy;
 pub mod npz;
+mod number;
 pub mod nvdb;
 mod placement;
 mod procedural;

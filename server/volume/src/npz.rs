@@ -28,21 +28,33 @@ pub fn read_bytes(
     read_from(Cursor::new(bytes), options, limits)
 }
 
+/// Reads the array `name` as [`npy::Array::read`] does; `None` if the file holds none of that name.
+///
+/// # Errors
+/// As [`npy::Array::read`]; [`VolumeError::Invalid`] too if the file is no zip file of arrays.
+pub fn read_array(
+    source: impl Read + Seek,
+    name: &str,
+    most_bytes: u64,
+    axes: &str,
+) -> Result<Option<npy::Array>, VolumeError> {
+    let mut archive = open(source)?;
+    let mut file = match archive.by_name(&format!("{name}.npy")) {
+        Ok(file) => file,
+        Err(ZipError::FileNotFound) => return Ok(None),
+        Err(error) => return Err(broken(error)),
+    };
+    let length = file.size();
+    npy::Array::read(&mut file, length, most_bytes, axes).map(Some)
+}
+
 /// Reads an array of a file.
 pub(crate) fn read_from(
     source: impl Read + Seek,
     options: &ReadOptions,
     limits: &VolumeLimits,
 ) -> Result<Grid, VolumeError> {
-    let mut archive = ZipArchive::new(source).map_err(broken)?;
-    if archive.len() > MAX_ARRAYS {
-        let found = format!("{}", archive.len());
-        return Err(VolumeError::invalid(
-            "arrays",
-            found,
-            format!("at most {MAX_ARRAYS}"),
-        ));
-    }
+    let mut archive = open(source)?;
     let candidates: Vec<Candidate> = archive
         .file_names()
         .map(|name| {
@@ -62,7 +74,17 @@ pub(crate) fn read_from(
     let index = choose(&candidates, options.grid.as_deref())?;
     let mut file = archive.by_index(index).map_err(broken)?;
     let length = file.size();
-    npy::read_from(&mut file, Some(length), &candidates[index].name, limits)
+    npy::read_from(&mut file, length, &candidates[index].name, limits)
+}
+
+fn open<R: Read + Seek>(source: R) -> Result<ZipArchive<R>, VolumeError> {
+    let archive = ZipArchive::new(source).map_err(broken)?;
+    if archive.len() > MAX_ARRAYS {
+        let found = format!("{}", archive.len());
+        let allowed = format!("at most {MAX_ARRAYS}");
+        return Err(VolumeError::invalid("arrays", found, allowed));
+    }
+    Ok(archive)
 }
 
 fn broken(error: ZipError) -> VolumeError {

@@ -18,7 +18,8 @@ use glam::DVec3;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::dense::{Dense, Number};
+use crate::dense::Dense;
+use crate::number::Number;
 use crate::select::shown;
 use crate::{Grid, VolumeError, VolumeLimits};
 

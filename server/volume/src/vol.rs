@@ -8,7 +8,8 @@ use std::io::Read;
 use glam::Vec3;
 
 use crate::cursor::Cursor;
-use crate::dense::{Dense, Number};
+use crate::dense::Dense;
+use crate::number::Number;
 use crate::{Grid, VolumeError, VolumeLimits};
 
 const HEADER_BYTES: u64 = 48;

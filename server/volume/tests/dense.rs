@@ -96,6 +96,57 @@ fn every_kind_of_number_is_read() {
     assert_eq!(grid.voxel(IVec3::new(2, 1, 1)), 1.0);
 }
 
+/// Reads an array as plain numbers.
+fn read_numbers(bytes: &[u8]) -> Result<npy::Array, VolumeError> {
+    npy::Array::read(&mut { bytes }, bytes.len() as u64, 4096, "(z, y, x)")
+}
+
+#[test]
+fn floats_are_read_without_a_grid_too() {
+    let halves: Vec<u8> = values()
+        .flat_map(|v| half::f16::from_f32(v).to_be_bytes())
+        .collect();
+    let singles: Vec<u8> = values().flat_map(f32::to_le_bytes).collect();
+    let doubles: Vec<u8> = values().flat_map(|v| f64::from(v).to_le_bytes()).collect();
+    for (descr, data) in [("'>f2'", halves), ("'<f4'", singles), ("'<f8'", doubles)] {
+        let bytes = array(descr, "False", "(17, 4, 3)", &data);
+        let numbers = read_numbers(&bytes).unwrap();
+        assert_eq!(numbers.shape, [17, 4, 3], "{descr}");
+        assert!(numbers.values.into_iter().eq(values()), "{descr}");
+    }
+    let archive = archive(&["heat.npy"]);
+    let named = |name| npz::read_array(Cursor::new(&archive), name, 4096, "(z, y, x)").unwrap();
+    assert!(named("heat").unwrap().values.into_iter().eq(values()));
+    assert_eq!(named("fuel"), None);
+}
+
+#[test]
+fn other_numbers_are_refused_by_name() {
+    let data: Vec<u8> = values().flat_map(f32::to_le_bytes).collect();
+    for (descr, fortran, shape, name) in [
+        ("'<i4'", "False", "(17, 4, 3)", "integers"),
+        ("'<f4'", "True", "(17, 4, 3)", "fortran_order"),
+        ("'<f4'", "False", "(17, 12)", "three axes: (z, y, x)"),
+        (
+            "'<f4'",
+            "False",
+            "(17, 4, 4)",
+            "1088 bytes for the shape [17, 4, 4]",
+        ),
+    ] {
+        let error = read_numbers(&array(descr, fortran, shape, &data)).unwrap_err();
+        assert!(error.to_string().contains(name), "{descr} {shape}: {error}");
+    }
+    let long = array("'<f8'", "False", "(17, 4, 8)", &[0; 8 * 17 * 4 * 8]);
+    let error = read_numbers(&long).unwrap_err();
+    assert!(matches!(error, VolumeError::Limit { .. }), "{error}");
+    // An archive may say that an array is longer than it is.
+    let short = array("'<f4'", "False", "(1024, 1024, 256)", &data);
+    let claimed = (short.len() - data.len()) as u64 + (1 << 30);
+    let error = npy::Array::read(&mut &short[..], claimed, 1 << 31, "(z, y, x)").unwrap_err();
+    assert!(error.to_string().contains("end of the data"), "{error}");
+}
+
 #[test]
 fn fortran_order_changes_the_first_index_fastest() {
     let mut data = Vec::new();

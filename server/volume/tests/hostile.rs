@@ -170,6 +170,17 @@ fn array() -> &'static [u8] {
     })
 }
 
+/// Names of an array's axes in errors.
+const AXES: &str = "(z, y, x)";
+
+/// What is read as plain numbers is as long as its shape says.
+fn check_numbers(array: Option<npy::Array>) {
+    if let Some(npy::Array { shape, values }) = array {
+        let [z, y, x] = shape.map(|side| side as usize);
+        assert_eq!(values.len(), z * y * x);
+    }
+}
+
 fn archive(method: zip::CompressionMethod) -> Vec<u8> {
     let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = zip::write::SimpleFileOptions::default().compression_method(method);
@@ -224,6 +235,8 @@ fn broken_mitsuba_volumes_are_harmless() {
 fn broken_arrays_are_harmless() {
     let seeds = [array().to_vec()];
     attack("npy", &seeds, |bytes| {
+        let length = bytes.len() as u64;
+        check_numbers(npy::Array::read(&mut { bytes }, length, LIMITS.file_bytes, AXES).ok());
         npy::read_bytes(bytes, &any_grid(), &LIMITS)
     });
 }
@@ -235,6 +248,8 @@ fn broken_archives_are_harmless() {
         archive(zip::CompressionMethod::Deflated),
     ];
     attack("npz", &seeds, |bytes| {
+        let numbers = npz::read_array(Cursor::new(bytes), "heat", LIMITS.file_bytes, AXES);
+        check_numbers(numbers.ok().flatten());
         npz::read_bytes(bytes, &any_grid(), &LIMITS)
     });
 }

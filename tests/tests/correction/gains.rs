@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use tyndall_metrics::{Image, relative_rmse_trim_debiased};
+use tyndall_quality::{Image, relative_rmse_trim_debiased};
 use tyndall_render::Still;
 use tyndall_scene::{CorrectionMode, Scene, StopRule, Technique};
 use tyndall_tests::{gpu, published};
@@ -133,7 +133,7 @@ pub(crate) fn climb(
             base: error(base, &still, &truth.image),
             corrected: error(&still.radiance, &still, &truth.image),
             expected: f64::from(still.frame.stats.estimated_error.expect("an estimate")),
-            whole: tyndall_metrics::relative_rmse_debiased(&gpu::image(&still), &truth.image)
+            whole: tyndall_quality::relative_rmse_debiased(&gpu::image(&still), &truth.image)
                 .expect("pictures of one size"),
             blocks: block_errors(&still, &truth.image),
         };
@@ -217,7 +217,7 @@ fn a_target_of_the_error_is_met() {
         scene.render.correction = CorrectionMode::Always;
         scene.render.stop = StopRule::RelativeError(target);
         let still = gpu::render(&mut gpu::renderer(), scene);
-        let found = tyndall_metrics::relative_rmse_debiased(&gpu::image(&still), &truth.image)
+        let found = tyndall_quality::relative_rmse_debiased(&gpu::image(&still), &truth.image)
             .expect("pictures of one size");
         println!(
             "{name}: {found:.4} after {} samples, asked for {target}",

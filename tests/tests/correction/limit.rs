@@ -1,6 +1,6 @@
 //! With the samples, the corrected picture becomes the traced one.
 
-use tyndall_metrics::{
+use tyndall_quality::{
     BLOCK_SIDE, Image, block_z, relative_rmse_trim, relative_rmse_trim_debiased,
 };
 use tyndall_scene::{CorrectionMode, StopRule};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tyndall_metrics::{
+use tyndall_quality::{
     Image, PIXELS_PER_DEGREE, hdr_flip, relative_rmse_trim, relative_rmse_trim_debiased,
 };
 use tyndall_render::{RenderOutcome, Renderer, View};

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use tyndall_metrics::relative_rmse;
+use tyndall_quality::relative_rmse;
 use tyndall_render::{Renderer, Still};
 use tyndall_scene::{Scene, StopRule};
 use tyndall_tests::gpu;

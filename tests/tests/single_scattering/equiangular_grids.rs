@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use tyndall_metrics::{Image, relative_rmse, relative_rmse_trim};
+use tyndall_quality::{Image, relative_rmse, relative_rmse_trim};
 use tyndall_scene::{Scene, StopRule};
 use tyndall_tests::pass_times::least_millis;
 use tyndall_tests::{estimate::with_renderer, gpu};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use serde_json::json;
-use tyndall_metrics::relative_rmse_trim;
+use tyndall_quality::relative_rmse_trim;
 use tyndall_render::{Renderer, Still};
 use tyndall_scene::{CorrectionMode, Scene, ShadowMode, StopRule, presets};
 use tyndall_tests::gpu;

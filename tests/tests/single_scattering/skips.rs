@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use tyndall_metrics::relative_rmse;
+use tyndall_quality::relative_rmse;
 use tyndall_render::{PassId, Still};
 use tyndall_scene::{Scene, StopRule};
 use tyndall_tests::pass_times::least_millis;

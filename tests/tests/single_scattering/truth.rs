@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use tyndall_metrics::{block_z, mean_ratio, relative_rmse_trim_debiased};
+use tyndall_quality::{block_z, mean_ratio, relative_rmse_trim_debiased};
 use tyndall_scene::{Scene, ShadowMode, StopRule, Technique};
 use tyndall_tests::{gpu, published};
 

@@ -3,13 +3,13 @@
 
 use std::sync::Arc;
 
-use tyndall_metrics::relative_rmse_trim_debiased;
+use tyndall_quality::relative_rmse_trim_debiased;
 use tyndall_scene::{Scene, ShadowMode, StopRule, Technique};
 use tyndall_tests::pass_times::least_millis;
 use tyndall_tests::{estimate::with_renderer, gpu, published};
 
 /// Error against the published picture, and the march's least time over some frames. Unit: ms.
-fn measure(scene: &Scene, truth: &tyndall_metrics::Image, unskipped: bool) -> (f64, f64) {
+fn measure(scene: &Scene, truth: &tyndall_quality::Image, unskipped: bool) -> (f64, f64) {
     let (width, height) = (scene.render.width, scene.render.height);
     with_renderer(|renderer| {
         renderer.set_unskipped(unskipped);

@@ -4,20 +4,21 @@
 //! What has no counterpart is refused by name: a peer that renders something else proves nothing.
 //! What is nearly the same is remarked.
 
+mod files;
 mod lights;
 mod media;
 mod surfaces;
 
 use std::path::Path;
 
-use glam::DVec3;
 use serde_json::{Value, json};
 use tyndall_scene::{Aabb, Scene};
 
 use crate::error::BenchError;
+use files::Files;
 use lights::lights;
 use media::medium;
-use surfaces::{Surfaces, surfaces};
+use surfaces::{Surfaces, corners, surfaces};
 
 /// A scene as JSON, with its arrays in files.
 #[derive(Debug)]
@@ -30,7 +31,7 @@ pub(super) struct Exported {
 
 /// Writes arrays into `folder`. The inner error names what the peer can't be given.
 pub(super) fn export(scene: &Scene, folder: &Path) -> Result<Result<Exported, String>, BenchError> {
-    let mut files = Files { folder };
+    let mut files = Files::new(folder);
     let mut remarks = Vec::new();
     let Surfaces { meshes, textures } = match surfaces(scene, &mut files, &mut remarks)? {
         Ok(surfaces) => surfaces,
@@ -83,49 +84,6 @@ pub(super) fn export(scene: &Scene, folder: &Path) -> Result<Result<Exported, St
         }),
         remarks,
     }))
-}
-
-/// Arrays beside the JSON.
-struct Files<'a> {
-    folder: &'a Path,
-}
-
-impl Files<'_> {
-    fn write(&mut self, name: &str, bytes: &[u8]) -> Result<String, BenchError> {
-        let file = self.folder.join(name);
-        std::fs::write(&file, bytes).map_err(|source| BenchError::io(file, source))?;
-        Ok(name.to_owned())
-    }
-
-    fn floats(
-        &mut self,
-        name: &str,
-        values: impl Iterator<Item = f32>,
-    ) -> Result<String, BenchError> {
-        let bytes: Vec<u8> = values.flat_map(f32::to_le_bytes).collect();
-        self.write(name, &bytes)
-    }
-}
-
-/// World positions of an instance's vertices.
-fn world(scene: &Scene, instance: usize) -> impl Iterator<Item = DVec3> {
-    let instance = &scene.geometry.instances[instance];
-    let positions = &scene.geometry.meshes[instance.mesh].positions;
-    let transform = instance.world_from_object;
-    positions
-        .iter()
-        .map(move |p| transform.transform_point3(DVec3::from(p.map(f64::from))))
-}
-
-/// All corners of triangles, three a triangle.
-fn corners(scene: &Scene) -> Vec<DVec3> {
-    let mut corners = Vec::new();
-    for (i, instance) in scene.geometry.instances.iter().enumerate() {
-        let positions: Vec<DVec3> = world(scene, i).collect();
-        let indices = &scene.geometry.meshes[instance.mesh].indices;
-        corners.extend(indices.iter().map(|index| positions[*index as usize]));
-    }
-    corners
 }
 
 #[cfg(test)]

@@ -12,8 +12,8 @@ use std::process::{Command, Stdio};
 
 use serde::Deserialize;
 use serde_json::{Value, json};
-use tyndall_metrics::Image;
 use tyndall_picture::read_npy;
+use tyndall_quality::Image;
 use tyndall_scene::Scene;
 
 use crate::error::BenchError;

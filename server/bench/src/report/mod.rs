@@ -1,5 +1,6 @@
 //! The report: one HTML file without anything from elsewhere.
 
+mod escape;
 mod plot;
 mod strip;
 
@@ -11,6 +12,7 @@ use crate::machine::Machine;
 use crate::row::LadderRow;
 use crate::suite::SceneResult;
 use crate::table::efficiencies;
+use escape::escape;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -160,12 +162,4 @@ fn rows_table(scene: &SceneResult) -> String {
         text += &line;
     }
     text + "</table></div></details>\n"
-}
-
-/// Text as HTML shows it.
-pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }

@@ -1,6 +1,6 @@
 //! Run time against error, both logarithmic, as inline SVG.
 
-use super::escape;
+use super::escape::escape;
 use crate::row::LadderRow;
 
 const WIDTH: f64 = 560.0;

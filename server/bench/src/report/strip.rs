@@ -2,10 +2,10 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use tyndall_metrics::{Image, magma};
 use tyndall_picture::{display, encode_png};
+use tyndall_quality::{Image, magma};
 
-use super::escape;
+use super::escape::escape;
 use crate::error::BenchError;
 use crate::claim::Claim;
 use crate::measures::error_map;

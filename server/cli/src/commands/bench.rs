@@ -217,7 +217,7 @@ impl Bench {
         let scenes: Vec<SceneResult> = results.iter().map(|(_, result)| result.clone()).collect();
         if let Some(path) = &self.csv {
             let rows: Vec<_> = scenes.iter().flat_map(|scene| scene.rows.clone()).collect();
-            save(path, &tyndall_bench::csv(&rows))?;
+            save(path, &tyndall_bench::csv(&rows)?)?;
         }
         if let Some(path) = &self.html {
             save(path, &tyndall_bench::html(machine, &scenes)?)?;

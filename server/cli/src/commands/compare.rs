@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::Args;
 use serde_json::{Map, Value, json};
-use tyndall_metrics::{Comparison, FlipMap, Image, PIXELS_PER_DEGREE, hdr_flip, ldr_flip, magma};
 use tyndall_picture::{Picture, Range, read, write_png};
+use tyndall_quality::{Comparison, FlipMap, Image, PIXELS_PER_DEGREE, hdr_flip, ldr_flip, magma};
 
 /// Print every error measure of a picture against a reference.
 ///

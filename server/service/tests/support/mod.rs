@@ -327,8 +327,7 @@ pub struct Client {
 }
 
 pub fn hello() -> Value {
-    json!({"type": "hello", "protocol": 1, "accept": ["jpeg", "png"], "width": 96, "height": 64,
-        "device_pixel_ratio": 1})
+    json!({"type": "hello", "protocol": 1, "accept": ["jpeg", "png"], "width": 96, "height": 64})
 }
 
 impl Client {

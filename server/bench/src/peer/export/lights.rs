@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use tyndall_scene::{Environment, Light, Scene};
 
-use super::Files;
+use super::files::Files;
 use crate::error::BenchError;
 
 /// A radius above this is worth a word: the peer's lights are points. Unit: m.

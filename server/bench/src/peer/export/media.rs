@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use serde_json::{Value, json};
 use tyndall_scene::{Aabb, Medium, MediumShape, PhaseFunction, SharedGrid};
 
-use super::Files;
+use super::files::Files;
 use crate::error::BenchError;
 
 /// Voxels along the axis in which height fog falls.

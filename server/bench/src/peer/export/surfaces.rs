@@ -6,7 +6,7 @@ use glam::{DVec3, Vec2, Vec3};
 use serde_json::{Value, json};
 use tyndall_scene::{ColorSpace, Material, Mesh, Scene, TextureRef, Wrap};
 
-use super::{Files, world};
+use super::files::Files;
 use crate::error::BenchError;
 
 /// Cosine between a vertex normal and its triangle's below which a mesh counts as smooth.
@@ -39,6 +39,27 @@ pub(super) fn surfaces(
         textures[index] = texture(scene, index, files)?;
     }
     Ok(Ok(Surfaces { meshes, textures }))
+}
+
+/// All corners of triangles, three a triangle.
+pub(super) fn corners(scene: &Scene) -> Vec<DVec3> {
+    let mut corners = Vec::new();
+    for (i, instance) in scene.geometry.instances.iter().enumerate() {
+        let positions: Vec<DVec3> = world(scene, i).collect();
+        let indices = &scene.geometry.meshes[instance.mesh].indices;
+        corners.extend(indices.iter().map(|index| positions[*index as usize]));
+    }
+    corners
+}
+
+/// World positions of an instance's vertices.
+fn world(scene: &Scene, instance: usize) -> impl Iterator<Item = DVec3> {
+    let instance = &scene.geometry.instances[instance];
+    let positions = &scene.geometry.meshes[instance.mesh].positions;
+    let transform = instance.world_from_object;
+    positions
+        .iter()
+        .map(move |p| transform.transform_point3(DVec3::from(p.map(f64::from))))
 }
 
 /// What is nearly the same in the peer.

@@ -1,13 +1,13 @@
 //! Ratio of the means: the share of the energy that arrived.
 
 use crate::image::{check_pair, mean_of, positive_mean};
-use crate::{Image, MetricError};
+use crate::{Image, QualityError};
 
 /// mean(I) / mean(R). 1 if no energy is lost or made.
 ///
 /// # Errors
-/// [`MetricError`] if the sizes differ, a value is not finite or the reference is black.
-pub fn mean_ratio(image: &Image, reference: &Image) -> Result<f64, MetricError> {
+/// [`QualityError`] if the sizes differ, a value is not finite or the reference is black.
+pub fn mean_ratio(image: &Image, reference: &Image) -> Result<f64, QualityError> {
     check_pair(image, reference)?;
     Ok(mean_of(image.rgb()) / positive_mean("reference", reference)?)
 }

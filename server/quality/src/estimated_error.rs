@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::image::{mean_of, positive_mean};
 use crate::relative_rmse::channel_means;
 use crate::trim::{kept, mean_at};
-use crate::{Image, MetricError};
+use crate::{Image, QualityError};
 
 /// Estimated relative error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -22,12 +22,12 @@ pub struct EstimatedError {
 /// Estimates the relative error of `image`.
 ///
 /// # Errors
-/// [`MetricError`] if it has no variance, is black, or a value is not finite.
-pub fn estimated_error(image: &Image) -> Result<EstimatedError, MetricError> {
+/// [`QualityError`] if it has no variance, is black, or a value is not finite.
+pub fn estimated_error(image: &Image) -> Result<EstimatedError, QualityError> {
     image.check("image")?;
     let variance = image
         .variance()
-        .ok_or(MetricError::NoVariance { which: "image" })?;
+        .ok_or(QualityError::NoVariance { which: "image" })?;
     let mean = positive_mean("image", image)?;
     let pixels = channel_means(variance);
     let trimmed = mean_at(&pixels, &kept(&pixels));

@@ -9,7 +9,7 @@
 
 use std::path::PathBuf;
 
-use tyndall_metrics::{FlipMap, Image, PIXELS_PER_DEGREE, hdr_flip, ldr_flip};
+use tyndall_quality::{FlipMap, Image, PIXELS_PER_DEGREE, hdr_flip, ldr_flip};
 
 const WIDTH: u32 = 72;
 const HEIGHT: u32 = 48;

@@ -9,7 +9,7 @@
 
 use std::path::PathBuf;
 
-use tyndall_metrics::{Comparison, Image};
+use tyndall_quality::{Comparison, Image};
 
 fn hdr(name: &str, share: f32) -> Image {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");

@@ -18,7 +18,7 @@ mod hdr;
 pub use hdr::{HdrFlip, hdr_flip};
 
 use crate::image::check_pair;
-use crate::{Image, MetricError};
+use crate::{Image, QualityError};
 
 /// The default of the papers: a display of 3840 pixels and 0.7 m seen from 0.7 m. Unit: pixel per
 /// degree.
@@ -47,13 +47,13 @@ impl FlipMap {
 /// `pixels_per_degree` says how large a pixel is seen ([`PIXELS_PER_DEGREE`]).
 ///
 /// # Errors
-/// [`MetricError`] if the sizes differ, a value is not finite, or `pixels_per_degree` is outside of
+/// [`QualityError`] if the sizes differ, a value is not finite, or `pixels_per_degree` is outside of
 /// [1, 1000].
 pub fn ldr_flip(
     image: &Image,
     reference: &Image,
     pixels_per_degree: f32,
-) -> Result<FlipMap, MetricError> {
+) -> Result<FlipMap, QualityError> {
     check_pair(image, reference)?;
     check_density(pixels_per_degree)?;
     let size = (image.width() as usize, image.height() as usize);
@@ -64,11 +64,11 @@ pub fn ldr_flip(
     })
 }
 
-fn check_density(pixels_per_degree: f32) -> Result<(), MetricError> {
+fn check_density(pixels_per_degree: f32) -> Result<(), QualityError> {
     if (1.0..=1000.0).contains(&pixels_per_degree) {
         return Ok(());
     }
-    Err(MetricError::PixelsPerDegree {
+    Err(QualityError::PixelsPerDegree {
         found: pixels_per_degree.to_string(),
     })
 }

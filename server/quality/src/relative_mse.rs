@@ -6,7 +6,7 @@
 
 use crate::image::check_pair;
 use crate::trim::trimmed_mean;
-use crate::{Image, MetricError};
+use crate::{Image, QualityError};
 
 /// Added to R². Unit: radiance².
 const EPSILON: f64 = 0.01;
@@ -14,8 +14,8 @@ const EPSILON: f64 = 0.01;
 /// mean((I − R)² / (R² + 0.01)) over all pixels and channels. Range: ≥ 0.
 ///
 /// # Errors
-/// [`MetricError`] if the sizes differ or a value is not finite.
-pub fn relative_mse(image: &Image, reference: &Image) -> Result<f64, MetricError> {
+/// [`QualityError`] if the sizes differ or a value is not finite.
+pub fn relative_mse(image: &Image, reference: &Image) -> Result<f64, QualityError> {
     let errors = pixel_errors(image, reference)?;
     Ok(errors.iter().sum::<f64>() / errors.len() as f64)
 }
@@ -24,11 +24,11 @@ pub fn relative_mse(image: &Image, reference: &Image) -> Result<f64, MetricError
 ///
 /// # Errors
 /// As [`relative_mse`].
-pub fn relative_mse_trim(image: &Image, reference: &Image) -> Result<f64, MetricError> {
+pub fn relative_mse_trim(image: &Image, reference: &Image) -> Result<f64, QualityError> {
     Ok(trimmed_mean(&pixel_errors(image, reference)?))
 }
 
-fn pixel_errors(image: &Image, reference: &Image) -> Result<Vec<f64>, MetricError> {
+fn pixel_errors(image: &Image, reference: &Image) -> Result<Vec<f64>, QualityError> {
     check_pair(image, reference)?;
     let pairs = image.rgb().iter().zip(reference.rgb());
     Ok(pairs

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::{
-    BLOCK_SIDE, BlockZ, EstimatedError, Image, MetricError, PIXELS_PER_DEGREE, block_z,
+    BLOCK_SIDE, BlockZ, EstimatedError, Image, PIXELS_PER_DEGREE, QualityError, block_z,
     estimated_error, hdr_flip, mean_ratio, relative_mse, relative_mse_trim, relative_rmse,
     relative_rmse_debiased, relative_rmse_trim, relative_rmse_trim_debiased,
 };
@@ -14,15 +14,15 @@ use crate::{
 pub struct Comparison {
     /// √mean((I − R)²) / mean(R).
     pub relative_rmse: f64,
-    /// The same, the reference's variance taken off.
+    /// `relative_rmse` with the reference's own variance taken off.
     pub relative_rmse_debiased: Option<f64>,
-    /// Without the worst 0.1 % of pixels.
+    /// `relative_rmse` without the worst 0.1 % of pixels.
     pub relative_rmse_trim: f64,
-    /// Without them, the reference's variance taken off.
+    /// `relative_rmse_trim` with the reference's own variance taken off.
     pub relative_rmse_trim_debiased: Option<f64>,
     /// mean((I − R)² / (R² + 0.01)).
     pub relative_mse: f64,
-    /// The same without the worst 0.1 % of pixels.
+    /// `relative_mse` without the worst 0.1 % of pixels.
     pub relative_mse_trim: f64,
     /// mean(I) / mean(R).
     pub mean_ratio: f64,
@@ -32,7 +32,7 @@ pub struct Comparison {
     pub hdr_flip: f64,
     /// The picture's relative error as its own variance estimates it.
     pub image_estimated_error: Option<EstimatedError>,
-    /// The reference's.
+    /// The reference's relative error as its own variance estimates it.
     pub reference_estimated_error: Option<EstimatedError>,
 }
 
@@ -40,8 +40,8 @@ impl Comparison {
     /// Compares `image` with `reference`.
     ///
     /// # Errors
-    /// [`MetricError`] if the sizes differ, a value is not finite or the reference is black.
-    pub fn of(image: &Image, reference: &Image) -> Result<Self, MetricError> {
+    /// [`QualityError`] if the sizes differ, a value is not finite or the reference is black.
+    pub fn of(image: &Image, reference: &Image) -> Result<Self, QualityError> {
         let known = reference.variance().is_some();
         let any_known = known || image.variance().is_some();
         let blocks = image.width().min(image.height()) >= BLOCK_SIDE;

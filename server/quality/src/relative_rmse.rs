@@ -4,13 +4,13 @@
 
 use crate::image::{check_pair, positive_mean};
 use crate::trim::{kept, mean_at};
-use crate::{Image, MetricError};
+use crate::{Image, QualityError};
 
 /// √mean((I − R)²) / mean(R) over all pixels and channels. Range: ≥ 0.
 ///
 /// # Errors
-/// [`MetricError`] if the sizes differ, a value is not finite or the reference is black.
-pub fn relative_rmse(image: &Image, reference: &Image) -> Result<f64, MetricError> {
+/// [`QualityError`] if the sizes differ, a value is not finite or the reference is black.
+pub fn relative_rmse(image: &Image, reference: &Image) -> Result<f64, QualityError> {
     of(image, reference, false, false)
 }
 
@@ -18,8 +18,8 @@ pub fn relative_rmse(image: &Image, reference: &Image) -> Result<f64, MetricErro
 /// the picture's own error, even where the reference is noisy. 0 if noise explains all of it.
 ///
 /// # Errors
-/// As [`relative_rmse`], and [`MetricError::NoVariance`].
-pub fn relative_rmse_debiased(image: &Image, reference: &Image) -> Result<f64, MetricError> {
+/// As [`relative_rmse`], and [`QualityError::NoVariance`].
+pub fn relative_rmse_debiased(image: &Image, reference: &Image) -> Result<f64, QualityError> {
     of(image, reference, false, true)
 }
 
@@ -27,7 +27,7 @@ pub fn relative_rmse_debiased(image: &Image, reference: &Image) -> Result<f64, M
 ///
 /// # Errors
 /// As [`relative_rmse`].
-pub fn relative_rmse_trim(image: &Image, reference: &Image) -> Result<f64, MetricError> {
+pub fn relative_rmse_trim(image: &Image, reference: &Image) -> Result<f64, QualityError> {
     of(image, reference, true, false)
 }
 
@@ -35,11 +35,11 @@ pub fn relative_rmse_trim(image: &Image, reference: &Image) -> Result<f64, Metri
 ///
 /// # Errors
 /// As [`relative_rmse_debiased`].
-pub fn relative_rmse_trim_debiased(image: &Image, reference: &Image) -> Result<f64, MetricError> {
+pub fn relative_rmse_trim_debiased(image: &Image, reference: &Image) -> Result<f64, QualityError> {
     of(image, reference, true, true)
 }
 
-fn of(image: &Image, reference: &Image, trim: bool, debias: bool) -> Result<f64, MetricError> {
+fn of(image: &Image, reference: &Image, trim: bool, debias: bool) -> Result<f64, QualityError> {
     check_pair(image, reference)?;
     let mean = positive_mean("reference", reference)?;
     let squares = square_errors(image, reference);
@@ -51,7 +51,7 @@ fn of(image: &Image, reference: &Image, trim: bool, debias: bool) -> Result<f64,
     let own = if debias {
         let variance = reference
             .variance()
-            .ok_or(MetricError::NoVariance { which: "reference" })?;
+            .ok_or(QualityError::NoVariance { which: "reference" })?;
         mean_at(&channel_means(variance), &pixels)
     } else {
         0.0
@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(relative_rmse_debiased(&reference, &reference), Ok(0.0));
         assert_eq!(
             relative_rmse_debiased(&image, &image),
-            Err(MetricError::NoVariance { which: "reference" })
+            Err(QualityError::NoVariance { which: "reference" })
         );
     }
 
@@ -128,15 +128,15 @@ mod tests {
         let one = grey(&[1.0]);
         assert!(matches!(
             relative_rmse(&one, &grey(&[1.0, 1.0])),
-            Err(MetricError::SizeMismatch { .. })
+            Err(QualityError::SizeMismatch { .. })
         ));
         assert!(matches!(
             relative_rmse(&one, &grey(&[0.0])),
-            Err(MetricError::Black { .. })
+            Err(QualityError::Black { .. })
         ));
         assert!(matches!(
             relative_rmse(&grey(&[f32::NAN]), &one),
-            Err(MetricError::NonFinite {
+            Err(QualityError::NonFinite {
                 which: "image",
                 count: 3
             })

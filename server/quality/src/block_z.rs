@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use crate::image::check_pair;
-use crate::{Image, MetricError};
+use crate::{Image, QualityError};
 
 /// Default side of a block. Unit: pixel.
 pub const BLOCK_SIDE: u32 = 8;
@@ -36,20 +36,20 @@ pub struct BlockZ {
 /// blocks without variance. All zero if none is left.
 ///
 /// # Errors
-/// [`MetricError`] if the sizes differ, a value is not finite, no block fits, or neither picture has
+/// [`QualityError`] if the sizes differ, a value is not finite, no block fits, or neither picture has
 /// a variance.
-pub fn block_z(image: &Image, reference: &Image, side: u32) -> Result<BlockZ, MetricError> {
+pub fn block_z(image: &Image, reference: &Image, side: u32) -> Result<BlockZ, QualityError> {
     check_pair(image, reference)?;
     let (width, height) = (image.width(), image.height());
     if side == 0 || side > width || side > height {
-        return Err(MetricError::BlockTooLarge {
+        return Err(QualityError::BlockTooLarge {
             side,
             width,
             height,
         });
     }
     if image.variance().is_none() && reference.variance().is_none() {
-        return Err(MetricError::NoVariance {
+        return Err(QualityError::NoVariance {
             which: "image and the reference",
         });
     }
@@ -132,11 +132,11 @@ mod tests {
         let image = Image::new(8, 8, vec![[1.0; 3]; 64]).unwrap();
         assert!(matches!(
             block_z(&image, &image, 8),
-            Err(MetricError::NoVariance { .. })
+            Err(QualityError::NoVariance { .. })
         ));
         assert!(matches!(
             block_z(&image, &image, 9),
-            Err(MetricError::BlockTooLarge { side: 9, .. })
+            Err(QualityError::BlockTooLarge { side: 9, .. })
         ));
         let exact = image.with_variance(vec![[0.0; 3]; 64]).unwrap();
         assert_eq!(block_z(&exact, &exact, 8).unwrap().count, 0);

@@ -30,7 +30,7 @@ mod trim;
 
 pub use block_z::{BLOCK_SIDE, BlockZ, block_z};
 pub use comparison::Comparison;
-pub use error::MetricError;
+pub use error::QualityError;
 pub use estimated_error::{EstimatedError, estimated_error};
 pub use flip::{FlipMap, HdrFlip, PIXELS_PER_DEGREE, hdr_flip, ldr_flip};
 pub use image::Image;

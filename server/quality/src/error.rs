@@ -2,7 +2,7 @@
 
 /// Why a measure has no value.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum MetricError {
+pub enum QualityError {
     /// An image without pixels.
     #[error("the image has no pixels: {width}×{height}")]
     Empty {

@@ -2,7 +2,7 @@
 
 use super::{FlipMap, check_density, errors};
 use crate::image::check_pair;
-use crate::{Image, MetricError};
+use crate::{Image, QualityError};
 
 /// Displayed value that the reference's highlight (median) has at the darkest (brightest) exposure.
 const TARGET: f32 = 0.85;
@@ -42,7 +42,7 @@ pub fn hdr_flip(
     image: &Image,
     reference: &Image,
     pixels_per_degree: f32,
-) -> Result<HdrFlip, MetricError> {
+) -> Result<HdrFlip, QualityError> {
     check_pair(image, reference)?;
     check_density(pixels_per_degree)?;
     let size = (image.width() as usize, image.height() as usize);

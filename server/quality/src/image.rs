@@ -1,6 +1,6 @@
 //! Linear radiance, and how sure each pixel is.
 
-use crate::MetricError;
+use crate::QualityError;
 
 /// A picture: linear Rec. 709 RGB, row 0 at the top, and the variance of each pixel's mean if known.
 ///
@@ -17,10 +17,10 @@ impl Image {
     /// A picture of `width` × `height` pixels without known variance.
     ///
     /// # Errors
-    /// [`MetricError::Empty`] without pixels, [`MetricError::Length`] if `rgb` has another count.
-    pub fn new(width: u32, height: u32, rgb: Vec<[f32; 3]>) -> Result<Self, MetricError> {
+    /// [`QualityError::Empty`] without pixels, [`QualityError::Length`] if `rgb` has another count.
+    pub fn new(width: u32, height: u32, rgb: Vec<[f32; 3]>) -> Result<Self, QualityError> {
         if width == 0 || height == 0 {
-            return Err(MetricError::Empty { width, height });
+            return Err(QualityError::Empty { width, height });
         }
         check_length("radiance", rgb.len(), width, height)?;
         Ok(Self {
@@ -35,7 +35,7 @@ impl Image {
     ///
     /// # Errors
     /// As [`Image::new`].
-    pub fn from_rgba(width: u32, height: u32, rgba: &[[f32; 4]]) -> Result<Self, MetricError> {
+    pub fn from_rgba(width: u32, height: u32, rgba: &[[f32; 4]]) -> Result<Self, QualityError> {
         Self::new(
             width,
             height,
@@ -46,8 +46,8 @@ impl Image {
     /// The same picture with the variance of each pixel's mean (the squared standard error).
     ///
     /// # Errors
-    /// [`MetricError::Length`] if the counts differ.
-    pub fn with_variance(mut self, variance: Vec<[f32; 3]>) -> Result<Self, MetricError> {
+    /// [`QualityError::Length`] if the counts differ.
+    pub fn with_variance(mut self, variance: Vec<[f32; 3]>) -> Result<Self, QualityError> {
         check_length("variance", variance.len(), self.width, self.height)?;
         self.variance = Some(variance);
         Ok(self)
@@ -89,33 +89,33 @@ impl Image {
     /// Mean over pixels and channels.
     ///
     /// # Errors
-    /// [`MetricError::NonFinite`].
-    pub fn mean(&self) -> Result<f64, MetricError> {
+    /// [`QualityError::NonFinite`].
+    pub fn mean(&self) -> Result<f64, QualityError> {
         self.check("image")?;
         Ok(mean_of(&self.rgb))
     }
 
     /// Refuses values that no measure can use.
-    pub(crate) fn check(&self, which: &'static str) -> Result<(), MetricError> {
+    pub(crate) fn check(&self, which: &'static str) -> Result<(), QualityError> {
         let values = self.rgb.iter().chain(self.variance.iter().flatten());
         let count = values.flatten().filter(|value| !value.is_finite()).count() as u64;
         if count > 0 {
-            return Err(MetricError::NonFinite { which, count });
+            return Err(QualityError::NonFinite { which, count });
         }
         let values = self.variance.iter().flatten().flatten();
         let count = values.filter(|value| **value < 0.0).count() as u64;
         if count > 0 {
-            return Err(MetricError::NegativeVariance { which, count });
+            return Err(QualityError::NegativeVariance { which, count });
         }
         Ok(())
     }
 }
 
 /// What every measure of two pictures asks for: equal sizes, finite values.
-pub(crate) fn check_pair(image: &Image, reference: &Image) -> Result<(), MetricError> {
+pub(crate) fn check_pair(image: &Image, reference: &Image) -> Result<(), QualityError> {
     let size = |image: &Image| (image.width, image.height);
     if size(image) != size(reference) {
-        return Err(MetricError::SizeMismatch {
+        return Err(QualityError::SizeMismatch {
             image: size(image),
             reference: size(reference),
         });
@@ -125,12 +125,12 @@ pub(crate) fn check_pair(image: &Image, reference: &Image) -> Result<(), MetricE
 }
 
 /// The reference's mean, which must be above 0.
-pub(crate) fn positive_mean(which: &'static str, image: &Image) -> Result<f64, MetricError> {
+pub(crate) fn positive_mean(which: &'static str, image: &Image) -> Result<f64, QualityError> {
     let mean = mean_of(&image.rgb);
     if mean > 0.0 {
         return Ok(mean);
     }
-    Err(MetricError::Black {
+    Err(QualityError::Black {
         which,
         mean: mean.to_string(),
     })
@@ -147,11 +147,11 @@ fn check_length(
     found: usize,
     width: u32,
     height: u32,
-) -> Result<(), MetricError> {
+) -> Result<(), QualityError> {
     if found as u64 == u64::from(width) * u64::from(height) {
         return Ok(());
     }
-    Err(MetricError::Length {
+    Err(QualityError::Length {
         what,
         found,
         width,
@@ -167,11 +167,11 @@ mod tests {
     fn what_cannot_be_an_image_is_refused_by_name() {
         assert!(matches!(
             Image::new(0, 4, Vec::new()),
-            Err(MetricError::Empty { .. })
+            Err(QualityError::Empty { .. })
         ));
         assert!(matches!(
             Image::new(2, 2, vec![[0.0; 3]; 3]),
-            Err(MetricError::Length { found: 3, .. })
+            Err(QualityError::Length { found: 3, .. })
         ));
         let image = Image::new(1, 1, vec![[0.0; 3]]).unwrap();
         assert!(image.with_variance(Vec::new()).is_err());
@@ -183,7 +183,7 @@ mod tests {
         assert_eq!(image.non_finite(), 1);
         assert_eq!(
             image.mean(),
-            Err(MetricError::NonFinite {
+            Err(QualityError::NonFinite {
                 which: "image",
                 count: 2
             })
@@ -196,7 +196,7 @@ mod tests {
         let image = image.with_variance(vec![[0.0, -1.0, 0.0]]).unwrap();
         assert!(matches!(
             image.mean(),
-            Err(MetricError::NegativeVariance { count: 1, .. })
+            Err(QualityError::NegativeVariance { count: 1, .. })
         ));
     }
 }
