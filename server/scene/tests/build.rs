@@ -165,6 +165,39 @@ fn lights_and_media_keep_their_meaning() {
 }
 
 #[test]
+fn facts_know_the_narrowest_lobe_of_a_phase_function_and_whether_there_is_one() {
+    for (phase, anisotropic, largest) in [
+        (json!({"kind": "henyey_greenstein", "g": -0.25}), true, 0.25),
+        (json!({"kind": "henyey_greenstein", "g": 0}), false, 0.0),
+        (
+            json!({"kind": "two_lobes", "g_forward": 0.75, "g_backward": -0.25, "forward_share": 0.5}),
+            true,
+            0.75,
+        ),
+        (
+            json!({"kind": "two_lobes", "g_forward": 0.75, "g_backward": -0.25, "forward_share": 0}),
+            true,
+            0.25,
+        ),
+        (
+            json!({"kind": "two_lobes", "g_forward": 0, "g_backward": 0.5, "forward_share": 1}),
+            false,
+            0.0,
+        ),
+    ] {
+        let loaded = scene(&json!({
+            "media": [{"kind": "homogeneous", "sigma_s": 1, "sigma_a": 0, "phase": phase}],
+        }));
+        let facts = facts(&loaded.scene);
+        assert_eq!(
+            (facts.anisotropic, facts.max_abs_g),
+            (anisotropic, largest),
+            "{phase}"
+        );
+    }
+}
+
+#[test]
 fn facts_of_a_homogeneous_box_are_those_of_its_diagonal() {
     let loaded = scene(&json!({
         "geometry": [{"kind": "box", "min": [0, 0, 0], "max": [1, 1, 1]}],

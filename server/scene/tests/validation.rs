@@ -184,6 +184,10 @@ fn medium_rules() {
         media[0].g | -1 | = | -1 | −0.999 to 0.999
         media[0].phase | {"kind": "henyey_greenstein", "g": 1.2} | media[0].phase.g | 1.2 | −0.999 to 0.999
         media[0].phase | {"kind": "henyey_greenstein", "gg": 0.5} | media[0].phase.gg | unknown member | g
+        media[0].phase | {"kind": "two_lobes", "g_forward": 1, "g_backward": 0, "forward_share": 0.5} | media[0].phase.g_forward | 1 | −0.999 to 0.999
+        media[0].phase | {"kind": "two_lobes", "g_forward": 0.8, "g_backward": -1, "forward_share": 0.5} | media[0].phase.g_backward | -1 | −0.999 to 0.999
+        media[0].phase | {"kind": "two_lobes", "g_forward": 0.8, "g_backward": 0, "forward_share": 1.5} | media[0].phase.forward_share | 1.5 | 0 to 1
+        media[0].phase | {"kind": "two_lobes", "g_forward": 0.8, "g_backward": 0} | media[0].phase.forward_share | nothing | required
         media[0].phase | {"kind": "mie"} | media[0].phase.kind | mie | henyey_greenstein
         media[0] | {"kind": "homogeneous", "sigma_s": 0.1, "sigma_a": 0, "g": 0.5, "phase": {"kind": "henyey_greenstein", "g": 0.5}} | media[0].g | 0.5 beside phase | g or phase
         media[0].sigma_s | -0.1 | = | -0.1 | 0 to 1e6

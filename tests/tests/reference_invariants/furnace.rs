@@ -40,6 +40,18 @@ fn assert_one(name: &str, scene: &Value) {
 }
 
 #[test]
+fn a_white_medium_of_two_lobes_under_a_white_sky_is_invisible() {
+    let phase =
+        json!({ "kind": "two_lobes", "g_forward": 0.8, "g_backward": -0.3, "forward_share": 0.7 });
+    let fog = json!({ "kind": "height_fog", "sigma_t": 1.5, "albedo": 1, "phase": phase, "falloff": 1.5,
+        "bounds": { "min": [-2, -1, -2], "max": [2, 2, 2] } });
+    // A plain lobe beside it.
+    let ball = json!({ "kind": "sphere", "sigma_t": 6, "albedo": 1, "g": 0.5, "center": [0.2, 0, 0], "radius": 1.2 });
+    let both = json!([fog, ball]);
+    assert_one("two lobes", &scene(&both, &json!([]), 1.0, 512));
+}
+
+#[test]
 fn a_white_medium_under_a_white_sky_is_invisible() {
     for g in [-0.99, -0.5, 0.0, 0.5, 0.9, 0.99] {
         let bounds = json!({ "min": [-1, -1, -1], "max": [1, 1, 1] });

@@ -12,17 +12,43 @@ use super::{AXIS, COUNT, DEVICE, Which, assert_density, direction, sample, turn,
 
 /// Phase functions of every kind, extreme ones among them.
 fn examples() -> Vec<PhaseFunction> {
-    [
+    let lobes = [
         0.0, 1e-4, 0.5, -0.5, 0.75, 0.9, -0.9, 0.99, -0.99, 0.999, -0.999,
     ]
-    .map(|g| PhaseFunction::HenyeyGreenstein { g })
-    .to_vec()
+    .map(|g| PhaseFunction::HenyeyGreenstein { g });
+    let pairs = [
+        [0.8, -0.3, 0.7],
+        [0.999, -0.999, 0.5],
+        [0.99, 0.0, 0.01],
+        [0.9, -0.9, 0.999],
+        [0.5, 0.9, 0.0],
+        [-0.5, 0.2, 1.0],
+    ]
+    .map(
+        |[g_forward, g_backward, forward_share]| PhaseFunction::TwoLobes {
+            g_forward,
+            g_backward,
+            forward_share,
+        },
+    );
+    lobes.into_iter().chain(pairs).collect()
 }
 
 /// Share and mean cosine of each lobe of Henyey and Greenstein's that a phase function is the sum of.
 fn lobes(phase: &PhaseFunction) -> Vec<(f64, f64)> {
     match *phase {
         PhaseFunction::HenyeyGreenstein { g } => vec![(1.0, f64::from(g))],
+        PhaseFunction::TwoLobes {
+            g_forward,
+            g_backward,
+            forward_share,
+        } => {
+            let share = f64::from(forward_share);
+            vec![
+                (share, f64::from(g_forward)),
+                (1.0 - share, f64::from(g_backward)),
+            ]
+        }
     }
 }
 
@@ -79,7 +105,7 @@ fn on_device(phase: &PhaseFunction, directions: &[Vec3]) -> Vec<[f32; 2]> {
         u64::from(count) * 8,
         count.div_ceil(64),
     )
-    .unwrap();
+    .expect("the probe runs");
     bytemuck::pod_collect_to_vec(&bytes)
 }
 
@@ -102,21 +128,22 @@ fn phase_values_match_f64_at_every_parameter_and_at_one_milliradian() {
 #[test]
 fn phase_functions_integrate_to_one_with_their_mean_cosine() {
     let count = 40_000;
-    let cosines: Vec<f64> = (0..count)
-        .map(|i| -1.0 + 2.0 * (f64::from(i) + 0.5) / f64::from(count))
+    let angles: Vec<f64> = (0..count)
+        .map(|i| PI * (f64::from(i) + 0.5) / f64::from(count))
         .collect();
-    let directions: Vec<Vec3> = cosines
+    let directions: Vec<Vec3> = angles
         .iter()
-        .map(|c| DVec3::new((1.0 - c * c).sqrt(), 0.0, *c).as_vec3())
+        .map(|angle| DVec3::new(angle.sin(), 0.0, angle.cos()).as_vec3())
         .collect();
-    // The midpoint rule cannot resolve narrower lobes.
-    for phase in examples().iter().filter(|phase| phase.largest_g() <= 0.99) {
-        let values = on_device(phase, &directions);
-        let weight = 4.0 * PI / f64::from(count);
-        let total: f64 = values.iter().map(|[p, _]| f64::from(*p) * weight).sum();
-        let weighted = values.iter().zip(&cosines);
-        let mean: f64 = weighted.map(|([p, _], c)| f64::from(*p) * c * weight).sum();
-        let exact: f64 = lobes(phase).iter().map(|(share, g)| share * g).sum();
+    for phase in examples() {
+        let (mut total, mut mean) = (0.0, 0.0);
+        for ([found, _], angle) in on_device(&phase, &directions).into_iter().zip(&angles) {
+            // Of a ring about the axis.
+            let solid_angle = 2.0 * PI * angle.sin() * PI / f64::from(count);
+            total += f64::from(found) * solid_angle;
+            mean += f64::from(found) * solid_angle * angle.cos();
+        }
+        let exact: f64 = lobes(&phase).iter().map(|(share, g)| share * g).sum();
         assert!((total - 1.0).abs() < 2e-4, "{phase:?}: {total}");
         assert!((mean - exact).abs() < 2e-4, "{phase:?}: mean cosine {mean}");
         assert!((phase.mean_cosine() - exact).abs() < 1e-6, "{phase:?}");

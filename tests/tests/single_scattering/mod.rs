@@ -6,6 +6,7 @@
 mod culling;
 mod equiangular_grids;
 mod interleaving;
+mod phases;
 mod skips;
 mod stress;
 mod truth;

@@ -12,6 +12,8 @@ tagged_union! {
     pub enum PhaseDescription {
         /// One lobe, as `g` of the medium gives it.
         "henyey_greenstein" => HenyeyGreenstein(HenyeyGreensteinPhase),
+        /// The sum of two such lobes, as clouds have: one forward, one backward.
+        "two_lobes" => TwoLobes(TwoLobesPhase),
     }
 }
 
@@ -23,12 +25,29 @@ pub struct HenyeyGreensteinPhase {
     pub g: f64,
 }
 
+/// Two lobes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, TS)]
+#[serde(deny_unknown_fields)]
+pub struct TwoLobesPhase {
+    /// Mean cosine of the forward lobe. Range: −0.999 to 0.999.
+    pub g_forward: f64,
+    /// Mean cosine of the backward lobe. Range: −0.999 to 0.999.
+    pub g_backward: f64,
+    /// Share of the light that the forward lobe scatters. Range: 0 to 1.
+    pub forward_share: f64,
+}
+
 impl From<&PhaseDescription> for PhaseFunction {
     fn from(description: &PhaseDescription) -> Self {
         match description {
             PhaseDescription::HenyeyGreenstein(phase) => {
                 Self::HenyeyGreenstein { g: phase.g as f32 }
             }
+            PhaseDescription::TwoLobes(phase) => Self::TwoLobes {
+                g_forward: phase.g_forward as f32,
+                g_backward: phase.g_backward as f32,
+                forward_share: phase.forward_share as f32,
+            },
         }
     }
 }

@@ -13,6 +13,15 @@ pub enum PhaseFunction {
         /// Mean cosine, +1 forward. Range: [−0.999, 0.999].
         g: f32,
     },
+    /// The sum of two such lobes, as clouds have.
+    TwoLobes {
+        /// Mean cosine of the forward lobe. Range: [−0.999, 0.999].
+        g_forward: f32,
+        /// Mean cosine of the backward lobe. Range: [−0.999, 0.999].
+        g_backward: f32,
+        /// What of the light the forward lobe scatters. Range: [0, 1].
+        forward_share: f32,
+    },
 }
 
 /// A phase function as the device takes it.
@@ -32,6 +41,14 @@ impl PhaseFunction {
                 kind: 0,
                 parameters: [g, 0.0, 0.0],
             },
+            Self::TwoLobes {
+                g_forward,
+                g_backward,
+                forward_share,
+            } => PhaseParameters {
+                kind: 1,
+                parameters: [g_forward, g_backward, forward_share],
+            },
         }
     }
 
@@ -49,6 +66,16 @@ impl PhaseFunction {
     pub fn largest_g(&self) -> f32 {
         match *self {
             Self::HenyeyGreenstein { g } => g.abs(),
+            Self::TwoLobes {
+                g_forward,
+                g_backward,
+                forward_share,
+            } => {
+                // A lobe without a share is none.
+                let forward = if forward_share > 0.0 { g_forward } else { 0.0 };
+                let backward = if forward_share < 1.0 { g_backward } else { 0.0 };
+                forward.abs().max(backward.abs())
+            }
         }
     }
 
@@ -56,21 +83,40 @@ impl PhaseFunction {
     pub fn mean_cosine(&self) -> f64 {
         match *self {
             Self::HenyeyGreenstein { g } => f64::from(g),
+            Self::TwoLobes {
+                g_forward,
+                g_backward,
+                forward_share,
+            } => mix(g_backward.into(), g_forward.into(), forward_share),
         }
     }
 
     /// Density of scattering by an angle of this cosine. Unit: sr⁻¹.
     pub fn value(&self, cosine: f64) -> f64 {
         match *self {
-            Self::HenyeyGreenstein { g } => henyey_greenstein(cosine, f64::from(g)),
+            Self::HenyeyGreenstein { g } => henyey_greenstein(cosine, g.into()),
+            Self::TwoLobes {
+                g_forward,
+                g_backward,
+                forward_share,
+            } => mix(
+                henyey_greenstein(cosine, g_backward.into()),
+                henyey_greenstein(cosine, g_forward.into()),
+                forward_share,
+            ),
         }
     }
 
     /// The largest value. Unit: sr⁻¹.
     pub fn peak(&self) -> f64 {
-        // Lobes rise toward one of the two ends.
+        // Lobes are convex in the cosine, and so is their sum: it is largest at one of the ends.
         self.value(1.0).max(self.value(-1.0))
     }
+}
+
+/// From `a` at a share of 0 to `b` at 1.
+fn mix(a: f64, b: f64, share: f32) -> f64 {
+    a + (b - a) * f64::from(share)
 }
 
 /// One lobe of mean cosine `g`, without the cancellation of 1 + g² − 2g·cosθ. Unit: sr⁻¹.
@@ -90,6 +136,19 @@ mod tests {
         let mut found = Vec::new();
         for g in [-0.9, -0.3, 0.0, 0.6, 0.9] {
             found.push(PhaseFunction::HenyeyGreenstein { g });
+        }
+        for [g_forward, g_backward, forward_share] in [
+            [0.8, -0.3, 0.7],
+            [0.9, -0.9, 0.25],
+            [0.6, 0.9, 0.0],
+            [0.0, -0.9, 1.0],
+            [0.0, 0.0, 0.5],
+        ] {
+            found.push(PhaseFunction::TwoLobes {
+                g_forward,
+                g_backward,
+                forward_share,
+            });
         }
         found
     }

@@ -123,6 +123,17 @@ fn phase(phase: &PhaseFunction) -> Value {
     match *phase {
         PhaseFunction::HenyeyGreenstein { g: 0.0 } => json!({ "type": "isotropic" }),
         PhaseFunction::HenyeyGreenstein { g } => json!({ "type": "hg", "g": g }),
+        PhaseFunction::TwoLobes {
+            g_forward,
+            g_backward,
+            forward_share,
+        } => json!({
+            "type": "blendphase",
+            // Of the second.
+            "weight": forward_share,
+            "phase_0": { "type": "hg", "g": g_backward },
+            "phase_1": { "type": "hg", "g": g_forward },
+        }),
     }
 }
 
