@@ -214,8 +214,8 @@ pub(crate) fn next_frame(
         ));
     }
     renderer.wait()?;
-    view.take_finished()
-        .ok_or_else(|| RenderError::Refused("no frame arrived".into()))
+    let frame = view.take_finished();
+    Ok(frame.ok_or_else(|| RenderError::Refused("no frame arrived".into()))??)
 }
 
 impl fmt::Display for Row {

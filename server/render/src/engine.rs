@@ -196,10 +196,10 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Submits everything recorded.
-    pub fn submit(self) -> Result<FrameTiming, RenderError> {
-        self.device.queue.submit([self.encoder.finish()]);
+    /// Submits everything recorded; the index is what to wait for until the device has done it.
+    pub fn submit(self) -> Result<(FrameTiming, wgpu::SubmissionIndex), RenderError> {
+        let index = self.device.queue.submit([self.encoder.finish()]);
         self.device.check()?;
-        Ok(self.frame_timing)
+        Ok((self.frame_timing, index))
     }
 }

@@ -73,6 +73,17 @@ pub enum RenderError {
         /// Allowed amount.
         allowed: u64,
     },
+    /// The picture needs more memory than it may have.
+    #[error("the picture needs {needed} bytes of device memory, allowed are {allowed}")]
+    Memory {
+        /// Unit: byte.
+        needed: u64,
+        /// Unit: byte.
+        allowed: u64,
+    },
+    /// A frame was rendered and could not be read.
+    #[error(transparent)]
+    FailedFrame(#[from] crate::readback::FailedFrame),
     /// The scene uses something that is not rendered yet.
     #[error(transparent)]
     NotRenderedYet(#[from] crate::supported::NotRenderedYet),

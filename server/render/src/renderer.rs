@@ -43,6 +43,15 @@ pub enum RenderOutcome {
     Busy,
 }
 
+/// What a call of [`Renderer::prepare`] found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Prepared {
+    /// A view can be made, updated or resized without a long wait.
+    Ready,
+    /// Something is being made on other threads: ask again.
+    Pending,
+}
+
 impl Renderer {
     /// A renderer on an open device. Pipelines are built at their first use.
     pub fn new(device: Device) -> Result<Self, RenderError> {
@@ -94,6 +103,18 @@ impl Renderer {
             beyond_correction: false,
             unskipped: self.unskipped,
         }
+    }
+
+    /// Gets ready what a view of `scene` with this size needs. Refuses what is not rendered yet by name;
+    /// everything else is built when the view is made. Never waits. Unit of the size: pixel.
+    pub fn prepare(
+        &mut self,
+        scene: &Arc<Scene>,
+        _size: (u32, u32),
+    ) -> Result<Prepared, RenderError> {
+        check_supported(scene)?;
+        self.check_loops(scene)?;
+        Ok(Prepared::Ready)
     }
 
     /// A view of `scene`, `width` × `height` pixels. Refuses what is not rendered yet by name.
@@ -210,7 +231,7 @@ impl Renderer {
             &view.timing,
             &recording.frame_timing,
         );
-        let frame_timing = recording.submit()?;
+        let (frame_timing, submission) = recording.submit()?;
         let sweep = slice.map(|slice| view.slices.advance(slice));
         let added = slice.map_or(1, Slice::completed_samples);
         let base = view.has_base().then_some(share.base);
@@ -233,7 +254,7 @@ impl Renderer {
             shadow_layers: view.shadows.take_rendered(),
             sweep,
         };
-        view.ring.submit(meta, frame_timing);
+        view.ring.submit(meta, frame_timing, submission);
         Ok(RenderOutcome::Submitted)
     }
 
@@ -248,7 +269,15 @@ impl Renderer {
 
     /// Blocks until everything submitted has finished.
     pub fn wait(&self) -> Result<(), RenderError> {
-        wait(&self.device)?;
+        wait(&self.device, None)?;
+        self.device.check()
+    }
+
+    /// Blocks until the oldest frame in flight of `view` has finished; returns at once without one.
+    pub fn wait_for(&self, view: &View) -> Result<(), RenderError> {
+        if let Some(submission) = view.ring.oldest_submission() {
+            wait(&self.device, Some(submission))?;
+        }
         self.device.check()
     }
 

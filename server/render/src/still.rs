@@ -93,6 +93,7 @@ impl Renderer {
             }
             self.poll()?;
             while let Some(frame) = view.take_finished() {
+                let frame = frame?;
                 counts.add(&frame);
                 let mut state = StillProgress {
                     samples: frame.samples,
@@ -119,6 +120,7 @@ impl Renderer {
         self.wait()?;
         let mut frame = last;
         while let Some(newer) = view.take_finished() {
+            let newer = newer?;
             counts.add(&newer);
             frame = Some(newer);
         }

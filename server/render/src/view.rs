@@ -15,7 +15,7 @@ use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
 use crate::image::{Change, Image, Work};
 use crate::plan::{FramePlan, March, PassKind, PlanLimits, plan};
 use crate::programs::Bindings;
-use crate::readback::{FinishedFrame, ReadbackRing};
+use crate::readback::{FailedFrame, FinishedFrame, ReadbackRing};
 use crate::slices::{Slice, Slices};
 use crate::targets::{SharedMarch, TargetNeeds, Targets};
 use crate::techniques::shadow_maps::ShadowMaps;
@@ -353,8 +353,12 @@ impl View {
     }
 
     /// The oldest finished frame, if one has arrived; call [`Renderer::poll`](crate::Renderer::poll) first.
-    pub fn take_finished(&mut self) -> Option<FinishedFrame> {
-        let (mut frame, sweep) = self.ring.take(&self.timing)?;
+    /// After an error the picture's own record of what it shows is no longer right: make another view.
+    pub fn take_finished(&mut self) -> Option<Result<FinishedFrame, FailedFrame>> {
+        let (mut frame, sweep) = match self.ring.take(&self.timing)? {
+            Ok(taken) => taken,
+            Err(failed) => return Some(Err(failed)),
+        };
         let traced = frame.pass_times.iter().find(|t| t.name == "reference");
         let seconds = traced.map_or(f64::from(frame.render_micros), |t| f64::from(t.micros)) * 1e-6;
         self.slices.measured(frame.units, seconds);
@@ -370,7 +374,7 @@ impl View {
         // Some pictures are known to be finished only when their last frame has come home.
         let last = self.in_flight() == 0 && frame.epoch == self.image.epoch();
         frame.converged |= last && self.is_converged();
-        Some(frame)
+        Some(Ok(frame))
     }
 
     /// Longest dispatch of the reference; 8 ms on a GPU, 60 ms on a software driver without this.

@@ -10,7 +10,7 @@ mod media;
 mod render;
 mod rules;
 
-use crate::description::{SceneDescription, VERSION};
+use crate::description::{CameraDescription, SceneDescription, VERSION};
 use crate::error::SceneError;
 use crate::json_path::JsonPath;
 use crate::limits::Limits;
@@ -34,6 +34,11 @@ pub(crate) fn check_time(member: &str, seconds: f64) -> Result<(), SceneError> {
     rules::range(&JsonPath::Root.field(member), seconds, 0.0, rules::LATEST)
 }
 
+/// Checks the camera alone.
+pub(crate) fn camera(camera: &CameraDescription) -> Result<(), SceneError> {
+    camera::check(camera, &JsonPath::Root.field("camera"))
+}
+
 /// Checks everything that an edit can change.
 pub(crate) fn all_but_geometry(
     scene: &SceneDescription,
@@ -48,7 +53,7 @@ pub(crate) fn all_but_geometry(
         ));
     }
     rules::name(&root.field("name"), &scene.name)?;
-    camera::check(&scene.camera, &root.field("camera"))?;
+    camera(&scene.camera)?;
 
     let path = root.field("lights");
     rules::count(&path, scene.lights.len(), limits.lights)?;
