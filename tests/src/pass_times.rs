@@ -15,6 +15,7 @@ pub fn least_millis<const N: usize>(
         renderer.render(view, 0).expect("a frame");
         renderer.wait().expect("a device that answers");
         let frame = view.take_finished().expect("the frame arrived");
+        let frame = frame.expect("the frame can be read");
         for (least, pass) in least.iter_mut().zip(passes) {
             let of = frame.pass_times.iter().filter(|t| t.name == pass);
             *least = least.min(of.fold(0.0, |sum, t| sum + f64::from(t.micros) / 1e3));

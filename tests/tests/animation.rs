@@ -83,7 +83,7 @@ fn layers(renderer: &mut Renderer, view: &mut View, scene: &Scene, seconds: f64)
     renderer.update_view(view, scene).unwrap();
     assert_eq!(renderer.render(view, 0).unwrap(), RenderOutcome::Submitted);
     renderer.wait().unwrap();
-    view.take_finished().unwrap().shadow_layers
+    view.take_finished().unwrap().unwrap().shadow_layers
 }
 
 #[test]

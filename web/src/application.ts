@@ -201,6 +201,9 @@ export class Application {
         this.debug.stats = message;
         if (message.time_seconds !== undefined) this.panel.showTime(message.time_seconds);
         break;
+      case 'notice':
+        this.toasts.show(message.message);
+        break;
       case 'error':
         this.refused(message);
         break;

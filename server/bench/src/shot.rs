@@ -102,8 +102,8 @@ pub(crate) fn next_frame(
         ));
     }
     renderer.wait()?;
-    view.take_finished()
-        .ok_or_else(|| RenderError::Refused("no frame arrived".into()))
+    let frame = view.take_finished();
+    Ok(frame.ok_or_else(|| RenderError::Refused("no frame arrived".into()))??)
 }
 
 /// With the variance of the mean, where the technique keeps it.

@@ -81,6 +81,9 @@ pub enum RenderError {
         /// Unit: byte.
         allowed: u64,
     },
+    /// A frame was rendered and could not be read.
+    #[error(transparent)]
+    FailedFrame(#[from] FailedFrame),
     /// The scene uses something that is not rendered yet.
     #[error(transparent)]
     NotRenderedYet(#[from] crate::supported::NotRenderedYet),
@@ -98,4 +101,14 @@ pub enum RenderError {
         /// How long was waited.
         seconds: u64,
     },
+}
+
+/// A frame that was rendered and whose picture could not be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("a frame could not be read back: {reason}")]
+pub struct FailedFrame {
+    /// What the caller passed to `render`.
+    pub tag: u64,
+    /// What went wrong.
+    pub reason: String,
 }

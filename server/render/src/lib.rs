@@ -28,7 +28,7 @@ pub use engine::{
     AdapterKind, AdapterSummary, Device, DeviceOptions, FinishedFrame, FrameStats, MemoryBudget,
     PassTime, SelfTest,
 };
-pub use error::{DeviceError, RenderError};
+pub use error::{DeviceError, FailedFrame, RenderError};
 pub use frame::{FramePlan, PassId, PlanLimits, PlannedPass, SkippedPass};
 pub use plan::plan;
 pub use prepare::Prepared;

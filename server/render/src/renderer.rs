@@ -105,10 +105,13 @@ impl Renderer {
     }
 
     /// Begins to make what `scene` needs on the device, on another thread; whether it is there. A view
-    /// may take the scene at any time, and then makes itself what is not.
-    pub fn prepare(&mut self, scene: &Arc<Scene>) -> Prepared {
+    /// may take the scene at any time, and then makes itself what is not. Refuses what is not rendered
+    /// yet by name. Never waits.
+    pub fn prepare(&mut self, scene: &Arc<Scene>) -> Result<Prepared, RenderError> {
+        check_supported(scene)?;
+        self.check_loops(scene)?;
         let limits = self.plan_limits();
-        self.preparations.ask(&self.shared, scene, limits)
+        Ok(self.preparations.ask(&self.shared, scene, limits))
     }
 
     /// A view of `scene`, `width` × `height` pixels. Refuses what is not rendered yet by name.
@@ -171,7 +174,7 @@ impl Renderer {
         view.prepare_frame(&self.shared.device, share);
         let submitted = self.submit(view, share);
         view.settle(submitted.is_ok(), share);
-        let frame_timing = submitted?;
+        let (frame_timing, submission) = submitted?;
         let (width, height) = view.size();
         let sweep = share.slice.map(|slice| view.slices.advance(slice));
         let added = share.slice.map_or(1, Slice::completed_samples);
@@ -196,12 +199,16 @@ impl Renderer {
             shadow_layers: shadows.map_or(0, ShadowMaps::take_rendered),
             sweep,
         };
-        view.ring.submit(meta, frame_timing);
+        view.ring.submit(meta, frame_timing, submission);
         Ok(RenderOutcome::Submitted)
     }
 
     /// Records and submits what `share` includes of the view's plan.
-    fn submit(&self, view: &View, share: Share) -> Result<FrameTiming, RenderError> {
+    fn submit(
+        &self,
+        view: &View,
+        share: Share,
+    ) -> Result<(FrameTiming, wgpu::SubmissionIndex), RenderError> {
         let Shared {
             device, pipelines, ..
         } = &self.shared;
@@ -215,8 +222,7 @@ impl Renderer {
             &view.timing,
             &recording.frame_timing,
         );
-        let (timing, _index) = recording.submit()?;
-        Ok(timing)
+        recording.submit()
     }
 
     /// Lets finished frames arrive. Never blocks.
@@ -230,7 +236,15 @@ impl Renderer {
 
     /// Blocks until everything submitted has finished.
     pub fn wait(&self) -> Result<(), RenderError> {
-        wait(self.device())?;
+        wait(self.device(), None)?;
+        self.device().check()
+    }
+
+    /// Blocks until the oldest frame in flight of `view` has finished; returns at once without one.
+    pub fn wait_for(&self, view: &View) -> Result<(), RenderError> {
+        if let Some(submission) = view.ring.oldest_submission() {
+            wait(self.device(), Some(submission))?;
+        }
         self.device().check()
     }
 

@@ -94,6 +94,7 @@ impl Renderer {
             }
             self.poll()?;
             while let Some(frame) = view.take_finished() {
+                let frame = frame?;
                 counts.add(&frame);
                 let mut state = StillProgress {
                     samples: frame.samples,
@@ -120,6 +121,7 @@ impl Renderer {
         self.wait()?;
         let mut frame = last;
         while let Some(newer) = view.take_finished() {
+            let newer = newer?;
             counts.add(&newer);
             frame = Some(newer);
         }

@@ -1,5 +1,7 @@
 //! Changes to an open scene that leave its geometry alone.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ts_rs::TS;
@@ -11,7 +13,7 @@ use crate::description::{
 use crate::error::SceneError;
 use crate::import::Assets;
 use crate::limits::Limits;
-use crate::scene::{Scene, SharedGeometry};
+use crate::scene::{Animation, Scene, SharedGeometry};
 use crate::validate;
 
 /// A change to a scene. What is left out stays as it is; a list replaces the whole list.
@@ -77,4 +79,34 @@ pub fn apply_edit(
     let seconds = edit.time_seconds.unwrap_or(scene.time_seconds);
     let scene = build::scene(&edited, geometry, assets, seconds)?;
     Ok((edited, scene))
+}
+
+/// Looks at a scene through another camera, whose keyframes are left out: a camera that is steered
+/// follows no track. Does what [`apply_edit`] does with that camera, but checks the camera alone and
+/// builds nothing else anew. On an error both stay as they are.
+///
+/// # Errors
+/// [`SceneError`] with the JSON path in the camera.
+pub fn steer(
+    description: &mut Arc<SceneDescription>,
+    scene: &mut Arc<Scene>,
+    camera: CameraDescription,
+) -> Result<(), SceneError> {
+    let camera = CameraDescription {
+        keyframes: Vec::new(),
+        ..camera
+    };
+    validate::camera(&camera)?;
+    let scene = Arc::make_mut(scene);
+    scene.camera = build::camera(&camera);
+    let followed = scene.animation.as_ref().filter(|a| a.camera.is_some());
+    if let Some(animation) = followed {
+        let animation = Animation {
+            camera: None,
+            ..Animation::clone(animation)
+        };
+        scene.animation = (animation != Animation::default()).then(|| Arc::new(animation));
+    }
+    Arc::make_mut(description).camera = camera;
+    Ok(())
 }

@@ -23,8 +23,8 @@ mod validate;
 
 pub use build::{Loaded, build, build_with};
 pub use description::SceneDescription;
-pub use description::parse::parse_json;
-pub use edit::{SceneEdit, apply_edit};
+pub use description::parse::{parse_json, parse_value};
+pub use edit::{SceneEdit, apply_edit, steer};
 pub use error::SceneError;
 pub use facts::{SceneFacts, facts};
 pub use limits::Limits;

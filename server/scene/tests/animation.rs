@@ -9,9 +9,10 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use serde_json::{Value, json};
+use tyndall_scene::description::CameraDescription;
 use tyndall_scene::{
     Direction, Interpolate as _, Light, Scene, SceneDescription, SceneEdit, Track, apply_edit,
-    build, facts,
+    build, facts, steer,
 };
 
 fn scene_of(json: &Value) -> Scene {
@@ -224,6 +225,32 @@ fn edits_keep_the_time_and_can_change_it() {
     };
     let (_, scene) = apply_edit(&description, &scene, &expose).unwrap();
     assert_eq!((scene.time_seconds, spot(&scene).0.x), (1.0, 1.0));
+}
+
+#[test]
+fn a_steered_camera_leaves_its_track_and_nothing_else() {
+    let description = SceneDescription::from_json(&moving().to_string()).unwrap();
+    let loaded = build(description, None).unwrap();
+    for seconds in [0.0, 1.3] {
+        let before = loaded.scene.at(seconds).unwrap();
+        let camera = CameraDescription {
+            position: [0.3, 1.7, 2.9],
+            ..loaded.description.camera.clone()
+        };
+        let edit = SceneEdit {
+            camera: Some(CameraDescription {
+                keyframes: Vec::new(),
+                ..camera.clone()
+            }),
+            ..SceneEdit::default()
+        };
+        let edited = apply_edit(&loaded.description, &before, &edit).unwrap();
+        let mut description = Arc::new(loaded.description.clone());
+        let mut scene = Arc::new(before);
+        steer(&mut description, &mut scene, camera).unwrap();
+        assert_eq!((&*description, &*scene), (&edited.0, &edited.1));
+        assert_eq!(scene.at(3.0).unwrap().camera, scene.camera);
+    }
 }
 
 #[test]

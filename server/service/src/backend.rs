@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use tyndall_render::{
-    AdapterKind, AdapterSummary, Device, DeviceOptions, FinishedFrame, RenderError, RenderOutcome,
-    Renderer, View,
+    AdapterKind, AdapterSummary, Device, DeviceOptions, FailedFrame, FinishedFrame, Prepared,
+    RenderError, RenderOutcome, Renderer, View,
 };
 use tyndall_scene::Scene;
 use tyndall_stream::protocol;
@@ -21,6 +21,14 @@ pub trait Backend {
 
     /// What renders.
     fn adapter(&self) -> protocol::Adapter;
+    /// Gets ready what a picture of `scene` in this size needs, on other threads where that takes
+    /// long; asked again until it is. Never blocks. Unit of the size: pixel.
+    fn prepare(
+        &mut self,
+        scene: &Arc<Scene>,
+        width: u32,
+        height: u32,
+    ) -> Result<Prepared, RenderError>;
     /// A picture of `scene`. Unit of the size: pixel.
     fn create_view(
         &mut self,
@@ -41,10 +49,14 @@ pub trait Backend {
     fn render(&mut self, view: &mut Self::View, tag: u64) -> Result<RenderOutcome, RenderError>;
     /// Looks for finished work without blocking.
     fn poll(&mut self) -> Result<(), RenderError>;
-    /// Blocks until the oldest frame is finished.
-    fn wait(&mut self) -> Result<(), RenderError>;
-    /// The next finished frame of this view.
-    fn take_finished(&mut self, view: &mut Self::View) -> Option<FinishedFrame>;
+    /// Blocks until the oldest frame in flight of this view is finished, whatever else is on the device.
+    fn wait_for(&mut self, view: &Self::View) -> Result<(), RenderError>;
+    /// The next frame of this view that has come back; an error is a frame whose picture is lost.
+    /// The view is not used any more after an error.
+    fn take_finished(
+        &mut self,
+        view: &mut Self::View,
+    ) -> Option<Result<FinishedFrame, FailedFrame>>;
     /// What a frame of this view does, and why.
     fn plan(&self, view: &Self::View) -> protocol::Plan;
     /// Whether rendering more would change nothing.
@@ -80,6 +92,17 @@ impl Backend for Wgpu {
         adapter(self.renderer.adapter())
     }
 
+    fn prepare(
+        &mut self,
+        scene: &Arc<Scene>,
+        width: u32,
+        height: u32,
+    ) -> Result<Prepared, RenderError> {
+        // Pipelines and geometry do not depend on the size.
+        let _ = (width, height);
+        self.renderer.prepare(scene)
+    }
+
     fn create_view(
         &mut self,
         scene: Arc<Scene>,
@@ -105,11 +128,11 @@ impl Backend for Wgpu {
         self.renderer.poll()
     }
 
-    fn wait(&mut self) -> Result<(), RenderError> {
-        self.renderer.wait()
+    fn wait_for(&mut self, view: &View) -> Result<(), RenderError> {
+        self.renderer.wait_for(view)
     }
 
-    fn take_finished(&mut self, view: &mut View) -> Option<FinishedFrame> {
+    fn take_finished(&mut self, view: &mut View) -> Option<Result<FinishedFrame, FailedFrame>> {
         view.take_finished()
     }
 

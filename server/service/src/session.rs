@@ -9,7 +9,9 @@ use std::time::Instant;
 use tokio::sync::watch;
 use tyndall_render::check_supported;
 use tyndall_scene::description::CameraDescription;
-use tyndall_scene::{Loaded, Scene, SceneDescription, SceneEdit, SceneError, apply_edit, facts};
+use tyndall_scene::{
+    Loaded, Scene, SceneDescription, SceneEdit, SceneError, apply_edit, facts, steer,
+};
 use tyndall_stream::pacing::{Accepts, Pacing, PacingSettings};
 use tyndall_stream::protocol::{
     CameraPose, ClockState, ErrorCode, ErrorMessage, Facts, SceneMessage,
@@ -75,7 +77,9 @@ pub(crate) struct Session {
 
 #[derive(Debug)]
 struct State {
-    description: SceneDescription,
+    description: Arc<SceneDescription>,
+    /// Counts the changes to `description`.
+    version: u64,
     warnings: Vec<String>,
     wish: Wish,
     clock: Clock,
@@ -103,7 +107,8 @@ impl Session {
             pacing: Mutex::new(Pacing::new(PacingSettings::default())),
             outbox: Outbox::default(),
             state: Mutex::new(State {
-                description: scene.description.clone(),
+                description: Arc::new(scene.description.clone()),
+                version: 0,
                 warnings: scene.warnings.clone(),
                 wish,
                 clock: Clock::new(&scene.scene),
@@ -191,13 +196,23 @@ impl Session {
     /// The message that describes the open scene.
     pub(crate) fn scene_message(&self) -> SceneMessage {
         let state = lock(&self.state);
+        let (description, scene) = (
+            Arc::clone(&state.description),
+            Arc::clone(&state.wish.scene),
+        );
+        let (epoch, warnings, clock) = (
+            state.wish.epoch,
+            state.warnings.clone(),
+            clock_state(&state),
+        );
+        drop(state);
         SceneMessage {
-            epoch: state.wish.epoch,
-            name: state.wish.scene.name.clone(),
-            description: state.description.clone(),
-            facts: Facts::from(&facts(&state.wish.scene)),
-            warnings: state.warnings.clone(),
-            clock: clock_state(&state),
+            epoch,
+            name: scene.name.clone(),
+            description: SceneDescription::clone(&description),
+            facts: Facts::from(&facts(&scene)),
+            warnings,
+            clock,
         }
     }
 
@@ -208,55 +223,75 @@ impl Session {
         pose: CameraPose,
         now: Instant,
     ) -> Result<(), Refusal> {
-        let camera = {
-            let state = lock(&self.state);
-            CameraDescription {
-                position: pose.position,
-                target: pose.target,
-                up: pose.up,
-                vertical_fov_degrees: pose.vertical_fov_degrees,
-                keyframes: Vec::new(),
-                ..state.description.camera.clone()
-            }
+        let mut guard = lock(&self.state);
+        let state = &mut *guard;
+        let camera = CameraDescription {
+            position: pose.position,
+            target: pose.target,
+            up: pose.up,
+            vertical_fov_degrees: pose.vertical_fov_degrees,
+            exposure_ev: state.description.camera.exposure_ev,
+            keyframes: Vec::new(),
         };
-        self.edit(
-            input,
-            &SceneEdit {
-                camera: Some(camera),
-                ..SceneEdit::default()
-            },
-            now,
-        )
-    }
-
-    /// Changes the open scene; on an error the old state stays.
-    pub(crate) fn edit(&self, input: u64, edit: &SceneEdit, now: Instant) -> Result<(), Refusal> {
-        let mut state = lock(&self.state);
-        let (description, scene) = apply_edit(&state.description, &state.wish.scene, edit)?;
-        check_supported(&scene)?;
-        state.description = description;
-        state.clock.adopt(&scene);
-        if let Some(seconds) = edit.time_seconds {
-            state.clock.seek(seconds);
-        }
-        if let Some(playing) = edit.playing {
-            state.clock.play(playing);
-        }
-        state.wish.scene = Arc::new(scene);
+        steer(&mut state.description, &mut state.wish.scene, camera)?;
+        state.version += 1;
+        state.clock.adopt(&state.wish.scene);
         state.wish.input = state.wish.input.max(input);
-        drop(state);
+        drop(guard);
         lock(&self.pacing).input(now);
         Ok(())
+    }
+
+    /// Changes the open scene; on an error the old state stays. May take long, so it belongs on a
+    /// blocking thread; the session stays usable meanwhile.
+    pub(crate) fn edit(&self, input: u64, edit: &SceneEdit, now: Instant) -> Result<(), Refusal> {
+        loop {
+            let (description, scene, version) = {
+                let state = lock(&self.state);
+                (
+                    Arc::clone(&state.description),
+                    Arc::clone(&state.wish.scene),
+                    state.version,
+                )
+            };
+            let (description, scene) = apply_edit(&description, &scene, edit)?;
+            check_supported(&scene)?;
+            let mut state = lock(&self.state);
+            // Something else changed the scene meanwhile: the edit belongs on top of that.
+            if state.version != version {
+                continue;
+            }
+            let shown = state.wish.scene.time_seconds;
+            let moved_on = edit.time_seconds.is_none() && scene.time_seconds != shown;
+            let scene = if moved_on { scene.at(shown)? } else { scene };
+            state.description = Arc::new(description);
+            state.version += 1;
+            state.clock.adopt(&scene);
+            if let Some(seconds) = edit.time_seconds {
+                state.clock.seek(seconds);
+            }
+            if let Some(playing) = edit.playing {
+                state.clock.play(playing);
+            }
+            state.wish.scene = Arc::new(scene);
+            state.wish.input = state.wish.input.max(input);
+            drop(state);
+            lock(&self.pacing).input(now);
+            return Ok(());
+        }
     }
 
     /// Opens another scene.
     pub(crate) fn open(&self, input: u64, scene: &Loaded, now: Instant) -> Result<(), Refusal> {
         check_supported(&scene.scene)?;
+        let description = Arc::new(scene.description.clone());
+        let opened = Arc::new(scene.scene.clone());
         let mut state = lock(&self.state);
-        state.description = scene.description.clone();
+        state.description = description;
+        state.version += 1;
         state.warnings.clone_from(&scene.warnings);
-        state.clock = Clock::new(&scene.scene);
-        state.wish.scene = Arc::new(scene.scene.clone());
+        state.clock = Clock::new(&opened);
+        state.wish.scene = opened;
         state.wish.epoch = state.wish.epoch.wrapping_add(1);
         state.wish.input = state.wish.input.max(input);
         drop(state);
@@ -292,4 +327,130 @@ fn clock_state(state: &State) -> Option<ClockState> {
         time_seconds: scene.time_seconds,
         duration_seconds: scene.duration_seconds()?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use tyndall_scene::{build, presets};
+
+    use super::*;
+
+    fn hall() -> Session {
+        let description = presets::description("fogged_hall").expect("a preset");
+        let loaded = build(description, None).expect("the preset is valid");
+        let accepts = Accepts {
+            jpeg: true,
+            png: true,
+        };
+        Session::new(1, "token".to_owned(), &loaded, accepts)
+    }
+
+    fn pose(x: f64) -> CameraPose {
+        CameraPose {
+            position: [x, 1.6, 3.0],
+            target: [0.0, 1.5, -4.0],
+            up: [0.0, 1.0, 0.0],
+            vertical_fov_degrees: 60.0,
+        }
+    }
+
+    fn edit(session: &Session, pose: CameraPose) -> SceneEdit {
+        let camera = CameraDescription {
+            position: pose.position,
+            target: pose.target,
+            up: pose.up,
+            vertical_fov_degrees: pose.vertical_fov_degrees,
+            keyframes: Vec::new(),
+            ..session.scene_message().description.camera
+        };
+        SceneEdit {
+            camera: Some(camera),
+            ..SceneEdit::default()
+        }
+    }
+
+    /// The least time of several calls: what else runs on the machine only adds. Unit: µs.
+    fn least_micros(mut call: impl FnMut(f64)) -> f64 {
+        let times = (0..50).map(|i| {
+            let start = Instant::now();
+            call(f64::from(i) * 0.01);
+            start.elapsed().as_secs_f64() * 1e6
+        });
+        times.fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn a_camera_message_does_what_an_edit_does_without_holding_an_async_thread() {
+        let (steered, edited) = (hall(), hall());
+        let now = Instant::now();
+        // The render thread keeps what it shows, so every camera copies the scene once.
+        let steering = least_micros(|x| {
+            let _shown = steered.wish();
+            steered.set_camera(1, pose(x), now).expect("a valid pose");
+        });
+        let editing = least_micros(|x| {
+            let edit = edit(&edited, pose(x));
+            edited.edit(1, &edit, now).expect("a valid edit");
+        });
+        println!("a camera message takes {steering:.1} µs, as an edit {editing:.1} µs");
+        assert!(steering < 500.0, "{steering} µs");
+        assert_eq!(
+            *steered.wish().scene,
+            Scene {
+                geometry: steered.wish().scene.geometry.clone(),
+                ..Scene::clone(&edited.wish().scene)
+            }
+        );
+        let (steered, edited) = (steered.scene_message(), edited.scene_message());
+        assert_eq!(steered.description, edited.description);
+    }
+
+    #[test]
+    fn a_refused_camera_leaves_everything_as_it_was() {
+        let session = hall();
+        let before = (session.wish(), session.scene_message());
+        let upright = CameraPose {
+            target: [0.0, 5.0, 3.0],
+            position: [0.0, 1.0, 3.0],
+            ..pose(0.0)
+        };
+        let refusal = session.set_camera(7, upright, Instant::now());
+        let message = refusal.expect_err("it looks along up").message(Some(7));
+        assert_eq!(message.path.as_deref(), Some("camera.up"));
+        let after = session.wish();
+        assert!(Arc::ptr_eq(&before.0.scene, &after.scene));
+        assert_eq!(after.input, 0);
+        assert_eq!(before.1, session.scene_message());
+    }
+
+    #[test]
+    fn an_edit_on_another_thread_loses_no_camera() {
+        let session = Arc::new(hall());
+        let editor = std::thread::spawn({
+            let session = Arc::clone(&session);
+            move || {
+                for i in 0..100 {
+                    let edit = SceneEdit {
+                        exposure_ev: Some(f64::from(i) * 0.01),
+                        ..SceneEdit::default()
+                    };
+                    let edited = session.edit(1, &edit, Instant::now());
+                    edited.expect("a valid edit");
+                }
+            }
+        });
+        for i in 0..2000 {
+            let steered = session.set_camera(1, pose(f64::from(i) * 1e-3), Instant::now());
+            steered.expect("a valid pose");
+            let at = session.wish().scene.camera.position.x;
+            assert_eq!(
+                at,
+                f64::from(i) * 1e-3,
+                "an edit brought an old camera back"
+            );
+        }
+        editor.join().expect("the edits went through");
+        let exposure = session.scene_message().description.camera.exposure_ev;
+        assert_eq!(exposure, 0.99, "a camera brought an old exposure back");
+    }
 }

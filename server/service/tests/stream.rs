@@ -354,8 +354,10 @@ async fn lost_device_is_replaced_and_sessions_go_on() {
     assert_eq!(client.json("error").await["code"], "render_failed");
     assert_eq!(server.get("/readyz").await.0, 503);
     assert_eq!(server.get("/livez").await.0, 200);
+    client.say(camera(1, 1.0)).await;
     server.script.gone.store(false, Ordering::SeqCst);
-    client.frame_where(|frame| frame.samples == 1).await;
+    let frame = client.frame_where(|frame| frame.applied_input == 1).await;
+    assert_eq!(frame.samples, 1);
     assert_eq!(server.get("/readyz").await.0, 200);
     assert_eq!(server.script.opened.load(Ordering::SeqCst), 2);
     server.stop().await;

@@ -3,12 +3,13 @@
 //! - [`pacing`] decides when a client gets its next frame and how well it is compressed,
 //! - [`encode`] compresses it,
 //! - [`header`] goes in front of it,
-//! - [`protocol`] carries everything else as JSON.
+//! - [`protocol`] carries everything else as JSON, in unions that `messages` defines.
 //!
 //! No GPU, no network, no clock: the service brings those.
 
 pub mod encode;
 mod facts;
 pub mod header;
+mod messages;
 pub mod pacing;
 pub mod protocol;

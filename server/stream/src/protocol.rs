@@ -10,37 +10,34 @@
 
 use serde::{Deserialize, Serialize};
 use ts_rs::TS;
-use tyndall_scene::{SceneDescription, SceneEdit, SceneError};
+use tyndall_scene::{SceneDescription, SceneEdit, SceneError, parse_json};
 
 use crate::header::{Codec, MAX_SAFE_INTEGER};
+use crate::messages::messages;
 
 pub use crate::facts::Facts;
 
 /// Version of the messages that this code speaks.
 pub const PROTOCOL_VERSION: u32 = 1;
 
-/// What a client says.
-#[derive(Debug, Clone, PartialEq, Serialize, TS)]
-#[serde(tag = "type", rename_all = "snake_case")]
-#[allow(
-    clippy::large_enum_variant,
-    reason = "a client's messages are taken one at a time and never kept"
-)]
-pub enum ClientMessage {
-    /// The first message.
-    Hello(Hello),
-    /// Moves the eye; only the newest counts.
-    Camera(CameraUpdate),
-    /// Changes the open scene.
-    Edit(EditRequest),
-    /// Opens a built-in scene.
-    OpenPreset(OpenPreset),
-    /// Changes the size of the picture.
-    Resize(Resize),
-    /// Has painted, or skipped for a newer one, a frame and all before it.
-    Ack(Ack),
-    /// Has become visible or hidden; nothing is rendered for a hidden page.
-    Visible(Visible),
+messages! {
+    /// What a client says.
+    pub enum ClientMessage {
+        /// The first message.
+        "hello" => Hello(Hello),
+        /// Moves the eye; only the newest counts.
+        "camera" => Camera(CameraUpdate),
+        /// Changes the open scene.
+        "edit" => Edit(EditRequest),
+        /// Opens a built-in scene.
+        "open_preset" => OpenPreset(OpenPreset),
+        /// Changes the size of the picture.
+        "resize" => Resize(Resize),
+        /// Has painted, or skipped for a newer one, a frame and all before it.
+        "ack" => Ack(Ack),
+        /// Has become visible or hidden; nothing is rendered for a hidden page.
+        "visible" => Visible(Visible),
+    }
 }
 
 /// Opens or resumes a session.
@@ -152,27 +149,7 @@ impl ClientMessage {
     /// [`SceneError::Syntax`] for text that is not JSON; [`SceneError::Invalid`] with the path in
     /// the message, what was found and what is allowed for everything else.
     pub fn from_json(text: &str) -> Result<Self, SceneError> {
-        use tyndall_scene::parse_json;
-        // serde's internally tagged enums lose the path of an error, so the tag comes off first.
-        let mut object: serde_json::Map<String, serde_json::Value> = parse_json(text)?;
-        let tag = object.remove("type").unwrap_or_default();
-        let rest = serde_json::Value::Object(object).to_string();
-        let message = match tag.as_str() {
-            Some("hello") => Self::Hello(parse_json(&rest)?),
-            Some("camera") => Self::Camera(parse_json(&rest)?),
-            Some("edit") => Self::Edit(parse_json(&rest)?),
-            Some("open_preset") => Self::OpenPreset(parse_json(&rest)?),
-            Some("resize") => Self::Resize(parse_json(&rest)?),
-            Some("ack") => Self::Ack(parse_json(&rest)?),
-            Some("visible") => Self::Visible(parse_json(&rest)?),
-            _ => {
-                return Err(SceneError::Invalid {
-                    path: "type".to_owned(),
-                    found: tag.to_string().chars().take(80).collect(),
-                    allowed: "hello, camera, edit, open_preset, resize, ack or visible".to_owned(),
-                });
-            }
-        };
+        let message = Self::from_members(parse_json(text)?)?;
         match message.input() {
             Some(input) if input > MAX_SAFE_INTEGER => Err(SceneError::Invalid {
                 path: "input".to_owned(),
@@ -207,6 +184,8 @@ pub enum ServerMessage {
     Plan(PlanMessage),
     /// About the frame before it.
     Stats(Stats),
+    /// The picture is not quite what was asked for, though nothing is wrong.
+    Notice(Notice),
     /// Something the client asked for was refused, or something broke.
     Error(ErrorMessage),
 }
@@ -380,6 +359,13 @@ pub struct PassTime {
     pub name: String,
     /// Unit: µs.
     pub micros: f32,
+}
+
+/// Something that the user may wonder about.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, TS)]
+pub struct Notice {
+    /// One sentence for people.
+    pub message: String,
 }
 
 /// Why something was refused or broke.

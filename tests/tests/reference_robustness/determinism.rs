@@ -123,7 +123,8 @@ fn paths_that_wait_for_the_next_dispatch_change_no_bit() {
         let frame = estimate::with_renderer(|renderer| {
             renderer.render(&mut cut, 0).expect("renders");
             renderer.wait().expect("a device that answers");
-            cut.take_finished()
+            let frame = cut.take_finished();
+            frame.map(|frame| frame.expect("the frame can be read"))
         });
         waited += frame.map_or(0, |frame| frame.stats.unfinished);
         frames += 1;

@@ -9,7 +9,7 @@ use tyndall_shaders::types::Statistics;
 
 use super::device::Device;
 use super::timing::{FrameTiming, PassTime, TIMESTAMP_BYTES, Timing};
-use crate::error::RenderError;
+use crate::error::{FailedFrame, RenderError};
 use crate::picture::Sweep;
 
 /// Frames in flight a view may have.
@@ -17,7 +17,7 @@ const SLOTS: usize = 3;
 /// Copies start at multiples of this.
 const ALIGNMENT: u64 = 256;
 /// Longest wait for the device before it counts as hung.
-pub(crate) const PATIENCE: Duration = Duration::from_mins(2);
+pub(crate) const DEVICE_TIMEOUT: Duration = Duration::from_mins(2);
 
 const FREE: u8 = 0;
 const WAITING: u8 = 1;
@@ -103,7 +103,15 @@ pub(crate) struct FrameMeta {
 struct Slot {
     buffer: wgpu::Buffer,
     state: Arc<AtomicU8>,
-    frame: Option<(FrameMeta, FrameTiming)>,
+    frame: Option<InFlight>,
+}
+
+/// A frame between its submission and its return.
+#[derive(Debug)]
+struct InFlight {
+    meta: FrameMeta,
+    timing: FrameTiming,
+    submission: wgpu::SubmissionIndex,
 }
 
 /// The ring of one view.
@@ -177,10 +185,19 @@ impl ReadbackRing {
     }
 
     /// Asks for the slot just recorded to be mapped once the device is done; call after submitting.
-    pub fn submit(&mut self, meta: FrameMeta, timing: FrameTiming) {
+    pub fn submit(
+        &mut self,
+        meta: FrameMeta,
+        timing: FrameTiming,
+        submission: wgpu::SubmissionIndex,
+    ) {
         let slot = &mut self.slots[self.next];
         slot.state.store(WAITING, Ordering::Release);
-        slot.frame = Some((meta, timing));
+        slot.frame = Some(InFlight {
+            meta,
+            timing,
+            submission,
+        });
         let state = Arc::clone(&slot.state);
         slot.buffer
             .slice(..)
@@ -193,26 +210,47 @@ impl ReadbackRing {
         self.next = (self.next + 1) % self.slots.len();
     }
 
-    /// The oldest frame in flight, if it has arrived, and the part of a sweep it was. Frames come in the
-    /// order of submission.
-    pub fn take(&mut self, timing: &Timing) -> Option<(FinishedFrame, Option<Sweep>)> {
+    /// The slot of the oldest frame in flight.
+    fn oldest(&self) -> Option<usize> {
         let count = self.slots.len();
-        let index = (0..count)
+        (0..count)
             .map(|i| (self.next + i) % count)
-            .find(|i| self.slots[*i].frame.is_some())?;
+            .find(|i| self.slots[*i].frame.is_some())
+    }
+
+    /// The submission of the oldest frame in flight.
+    pub fn oldest_submission(&self) -> Option<wgpu::SubmissionIndex> {
+        let frame = self.slots[self.oldest()?].frame.as_ref();
+        frame.map(|frame| frame.submission.clone())
+    }
+
+    /// The oldest frame in flight, if it has arrived, and the part of a sweep it was. Frames come in the
+    /// order of submission. One that cannot be read is an error once, and its slot is free again.
+    pub fn take(
+        &mut self,
+        timing: &Timing,
+    ) -> Option<Result<(FinishedFrame, Option<Sweep>), FailedFrame>> {
+        let index = self.oldest()?;
         let slot = &mut self.slots[index];
-        match slot.state.load(Ordering::Acquire) {
-            READY => {}
-            FAILED => {
-                slot.frame = None;
-                slot.state.store(FREE, Ordering::Release);
-                return None;
-            }
-            _ => return None,
+        let state = slot.state.load(Ordering::Acquire);
+        if state != READY && state != FAILED {
+            return None;
         }
-        let (meta, frame_timing) = slot.frame.take()?;
+        let InFlight {
+            meta,
+            timing: frame_timing,
+            ..
+        } = slot.frame.take()?;
+        let failed = |reason: String| FailedFrame {
+            tag: meta.tag,
+            reason,
+        };
+        if state == FAILED {
+            slot.state.store(FREE, Ordering::Release);
+            return Some(Err(failed("its buffer could not be mapped".to_owned())));
+        }
         let (w, h) = (self.width, self.height);
-        let result = slot.buffer.slice(..).get_mapped_range().ok().map(|bytes| {
+        let result = slot.buffer.slice(..).get_mapped_range().map(|bytes| {
             let statistics_at = Self::statistics_at(w, h) as usize;
             let statistics: Statistics = bytemuck::pod_read_unaligned(
                 &bytes[statistics_at..statistics_at + size_of::<Statistics>()],
@@ -237,10 +275,12 @@ impl ReadbackRing {
         });
         slot.buffer.unmap();
         slot.state.store(FREE, Ordering::Release);
-        if let Some(frame) = &result {
-            self.last_stats = (frame.epoch, frame.stats);
-        }
-        Some((result?, meta.sweep))
+        let frame = match result {
+            Ok(frame) => frame,
+            Err(error) => return Some(Err(failed(error.to_string()))),
+        };
+        self.last_stats = (frame.epoch, frame.stats);
+        Some(Ok((frame, meta.sweep)))
     }
 
     /// Frames submitted and not yet taken.
@@ -317,14 +357,14 @@ pub(crate) fn read_now(device: &Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>
             // The receiver outlives the poll below; if not, nobody wants the answer.
             sender.send(result).unwrap_or_default();
         });
-    wait(device)?;
+    wait(device, None)?;
     device.check()?;
     match receiver.try_recv() {
         Ok(Ok(())) => {}
         Ok(Err(error)) => return Err(RenderError::Refused(error.to_string())),
         Err(_) => {
             return Err(RenderError::Timeout {
-                seconds: PATIENCE.as_secs(),
+                seconds: DEVICE_TIMEOUT.as_secs(),
             });
         }
     }
@@ -337,18 +377,21 @@ pub(crate) fn read_now(device: &Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>
     Ok(bytes)
 }
 
-/// Blocks until the device has finished everything submitted.
-pub(crate) fn wait(device: &Device) -> Result<(), RenderError> {
+/// Blocks until the device has finished a submission and all before it; everything without one.
+pub(crate) fn wait(
+    device: &Device,
+    submission: Option<wgpu::SubmissionIndex>,
+) -> Result<(), RenderError> {
     device
         .device
         .poll(wgpu::PollType::Wait {
-            submission_index: None,
-            timeout: Some(PATIENCE),
+            submission_index: submission,
+            timeout: Some(DEVICE_TIMEOUT),
         })
         .map(|_| ())
         .map_err(|error| match error {
             wgpu::PollError::Timeout => RenderError::Timeout {
-                seconds: PATIENCE.as_secs(),
+                seconds: DEVICE_TIMEOUT.as_secs(),
             },
             other @ wgpu::PollError::WrongSubmissionIndex(..) => {
                 RenderError::Refused(other.to_string())

@@ -11,7 +11,7 @@ use tyndall_scene::{ChangeSet, CorrectionMode, Scene, SceneFacts, ShadowMode};
 
 use crate::correction::{self, Correction, SAFETY, Seen, largest_buffer};
 use crate::engine::{AdapterKind, Device, FinishedFrame, Pool, ReadbackRing, Timing};
-use crate::error::RenderError;
+use crate::error::{FailedFrame, RenderError};
 use crate::frame::{FramePlan, Parts, PlanLimits};
 use crate::gpu_scene::{GpuAssets, SampleValues, pixel_ray};
 use crate::picture::{Accumulation, Share, Slice, Slices, Work, pixel_offset};
@@ -332,8 +332,12 @@ impl View {
     }
 
     /// The oldest finished frame, if one has arrived; call [`Renderer::poll`](crate::Renderer::poll) first.
-    pub fn take_finished(&mut self) -> Option<FinishedFrame> {
-        let (mut frame, sweep) = self.ring.take(&self.timing)?;
+    /// After an error the picture's own record of what it shows is no longer right: make another view.
+    pub fn take_finished(&mut self) -> Option<Result<FinishedFrame, FailedFrame>> {
+        let (mut frame, sweep) = match self.ring.take(&self.timing)? {
+            Ok(taken) => taken,
+            Err(failed) => return Some(Err(failed)),
+        };
         let traced = frame.pass_times.iter().find(|t| t.name == paths::PASS.name());
         let seconds = traced.map_or(f64::from(frame.render_micros), |t| f64::from(t.micros)) * 1e-6;
         self.slices.measured(frame.units, seconds);
@@ -349,7 +353,7 @@ impl View {
         // Some pictures are known to be finished only when their last frame has come home.
         let last = self.in_flight() == 0 && frame.epoch == self.accumulation.epoch();
         frame.converged |= last && self.is_converged();
-        Some(frame)
+        Some(Ok(frame))
     }
 
     /// Longest dispatch of the reference; 8 ms on a GPU, 60 ms on a software driver without this.

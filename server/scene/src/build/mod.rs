@@ -14,7 +14,7 @@ use crate::limits::Limits;
 use crate::scene::{Geometry, Scene, SharedGeometry};
 use crate::validate;
 
-pub(crate) use parts::scene;
+pub(crate) use parts::{camera, scene};
 
 /// A scene together with what it was made from.
 #[derive(Debug, Clone)]

@@ -49,7 +49,7 @@ pub(crate) fn scene(
     scene.at(seconds)
 }
 
-fn camera(camera: &CameraDescription) -> Camera {
+pub(crate) fn camera(camera: &CameraDescription) -> Camera {
     Camera {
         position: DVec3::from_array(camera.position),
         target: DVec3::from_array(camera.target),

@@ -19,6 +19,17 @@ pub fn parse_json<T: DeserializeOwned>(text: &str) -> Result<T, SceneError> {
     Ok(value)
 }
 
+/// Reads JSON that is parsed already, with the errors of [`parse_json`].
+///
+/// # Errors
+/// [`SceneError::Invalid`] with the exact path if a value has the wrong type, is missing or unknown.
+pub fn parse_value<T: DeserializeOwned>(value: serde_json::Value) -> Result<T, SceneError> {
+    serde_path_to_error::deserialize(value).map_err(|error| {
+        let path = error.path().to_string();
+        from_serde(&path, error.inner())
+    })
+}
+
 /// Turns serde's error at `path` into ours.
 fn from_serde(path: &str, error: &serde_json::Error) -> SceneError {
     let (line, column) = (error.line(), error.column());

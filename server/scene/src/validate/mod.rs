@@ -11,7 +11,7 @@ mod phase;
 mod render;
 mod rules;
 
-use crate::description::{SceneDescription, VERSION};
+use crate::description::{CameraDescription, SceneDescription, VERSION};
 use crate::error::SceneError;
 use crate::json_path::JsonPath;
 use crate::limits::Limits;
@@ -31,6 +31,11 @@ impl SceneDescription {
         description(&scene, &limits)?;
         Ok(scene)
     }
+}
+
+/// Checks the camera alone.
+pub(crate) fn camera(camera: &CameraDescription) -> Result<(), SceneError> {
+    camera::check(camera, &JsonPath::Root.field("camera"))
 }
 
 /// Checks a whole description; reads no file.
@@ -58,7 +63,7 @@ pub(crate) fn all_but_geometry(
         ));
     }
     rules::name(&root.field("name"), &scene.name)?;
-    camera::check(&scene.camera, &root.field("camera"))?;
+    camera(&scene.camera)?;
 
     let path = root.field("lights");
     rules::count(&path, scene.lights.len(), limits.lights)?;

@@ -5,10 +5,12 @@ use std::time::Instant;
 
 use axum::extract::ws::Message;
 use futures_util::StreamExt as _;
-use tokio::task::JoinHandle;
+use tokio::task::{JoinHandle, spawn_blocking};
 use tyndall_scene::Loaded;
 use tyndall_stream::pacing::Acknowledged;
-use tyndall_stream::protocol::{ClientMessage, ErrorCode, ErrorMessage, OpenPreset, ServerMessage};
+use tyndall_stream::protocol::{
+    ClientMessage, EditRequest, ErrorCode, ErrorMessage, OpenPreset, ServerMessage,
+};
 
 use super::{Farewell, Stream, error, hello};
 use crate::bell::lock;
@@ -30,7 +32,7 @@ struct Opening {
 
 struct Reader<'a> {
     app: &'a Arc<App>,
-    session: &'a Session,
+    session: &'a Arc<Session>,
     malformed: u32,
     opening: Option<Opening>,
     /// The newest request that came while another preset was being built.
@@ -38,7 +40,7 @@ struct Reader<'a> {
 }
 
 /// Reads until the client leaves or goes too far.
-pub(super) async fn run(app: &Arc<App>, session: &Session, stream: &mut Stream) -> Farewell {
+pub(super) async fn run(app: &Arc<App>, session: &Arc<Session>, stream: &mut Stream) -> Farewell {
     let mut reader = Reader {
         app,
         session,
@@ -50,7 +52,7 @@ pub(super) async fn run(app: &Arc<App>, session: &Session, stream: &mut Stream) 
     loop {
         let outcome = tokio::select! {
             received = tokio::time::timeout(silence, stream.next()) => match received {
-                Ok(received) => reader.receive(received),
+                Ok(received) => reader.receive(received).await,
                 Err(_elapsed) => Err(Farewell::SILENT),
             },
             built = built(&mut reader.opening) => reader.opened(built),
@@ -73,12 +75,15 @@ async fn built(opening: &mut Option<Opening>) -> (u64, Result<Arc<Loaded>, Build
 }
 
 impl Reader<'_> {
-    fn receive(&mut self, received: Option<Result<Message, axum::Error>>) -> Result<(), Farewell> {
+    async fn receive(
+        &mut self,
+        received: Option<Result<Message, axum::Error>>,
+    ) -> Result<(), Farewell> {
         match received {
             Some(Ok(Message::Text(text))) => match ClientMessage::from_json(&text) {
                 Ok(message) => {
                     self.malformed = 0;
-                    self.handle(message)
+                    self.handle(message).await
                 }
                 Err(refused) => self.malformed(ErrorMessage {
                     path: refused.path().map(str::to_owned),
@@ -99,7 +104,7 @@ impl Reader<'_> {
         }
     }
 
-    fn handle(&mut self, message: ClientMessage) -> Result<(), Farewell> {
+    async fn handle(&mut self, message: ClientMessage) -> Result<(), Farewell> {
         let now = Instant::now();
         let session = self.session;
         match message {
@@ -111,8 +116,7 @@ impl Reader<'_> {
                 self.answer(outcome, update.input)?;
             }
             ClientMessage::Edit(request) => {
-                let outcome = session.edit(request.input, &request.edit, now);
-                self.answer(outcome, request.input)?;
+                self.edit(request, now).await?;
             }
             ClientMessage::OpenPreset(request) => self.open(request),
             ClientMessage::Resize(resize) => {
@@ -134,6 +138,20 @@ impl Reader<'_> {
         }
         self.app.sessions.bell.ring();
         Ok(())
+    }
+
+    /// Changes the open scene on a blocking thread; what the client says next waits for it.
+    async fn edit(&self, request: EditRequest, now: Instant) -> Result<(), Farewell> {
+        let EditRequest { input, edit } = request;
+        let session = Arc::clone(self.session);
+        match spawn_blocking(move || session.edit(input, &edit, now)).await {
+            Ok(outcome) => self.answer(outcome, input),
+            Err(broken) => {
+                tracing::error!(session = self.session.id, %broken, "an edit broke off");
+                let message = "the edit broke off";
+                self.refuse(error(ErrorCode::Internal, message, Some(input)))
+            }
+        }
     }
 
     /// Starts building a preset; while one is being built only the newest request is kept.

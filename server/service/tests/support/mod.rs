@@ -1,4 +1,4 @@
-//! A renderer that keeps time but draws nothing, a server on a free port, and a client.
+//! A server on a free port and a client; the renderer keeps time but draws nothing.
 
 #![allow(dead_code, reason = "each binary uses its part")]
 #![allow(
@@ -8,16 +8,16 @@
 )]
 
 mod box_in_fog;
+pub mod fake;
 
 #[allow(unused_imports, reason = "each test file uses its part")]
 pub use box_in_fog::scene;
+pub use fake::{Fake, Script};
 
-use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use futures_util::{SinkExt as _, StreamExt as _};
 use serde_json::{Value, json};
@@ -29,187 +29,12 @@ use tokio_tungstenite::tungstenite::protocol::CloseFrame;
 use tokio_tungstenite::tungstenite::{Error, Message};
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 use tokio_util::sync::CancellationToken;
-use tyndall_render::{FinishedFrame, FrameStats, RenderError, RenderOutcome};
-use tyndall_scene::{Loaded, Scene, StopRule};
-use tyndall_service::backend::{Backend, OpenBackend};
+use tyndall_scene::Loaded;
 use tyndall_service::{ServeError, ServeOptions, serve, serve_on};
 use tyndall_stream::header::FrameHeader;
-use tyndall_stream::protocol::{Adapter, AdapterKind, Plan, PlannedPass};
 
 /// How long a test waits for what must come.
 pub const SOON: Duration = Duration::from_secs(20);
-
-/// Switches and counters of the fake renderer.
-#[derive(Debug, Default)]
-pub struct Script {
-    /// Calls of any kind.
-    pub calls: AtomicU64,
-    /// Frames started.
-    pub frames: AtomicU64,
-    /// Devices opened.
-    pub opened: AtomicU64,
-    /// The next call finds the device lost.
-    pub lose: AtomicBool,
-    /// No device can be opened.
-    pub gone: AtomicBool,
-}
-
-/// Takes 2 ms a frame; converges after the scene's number of samples.
-pub struct Fake {
-    script: Arc<Script>,
-}
-
-pub struct FakeView {
-    scene: Arc<Scene>,
-    size: (u32, u32),
-    samples: u32,
-    finished: VecDeque<(Instant, FinishedFrame)>,
-}
-
-impl FakeView {
-    fn target(&self) -> u32 {
-        match self.scene.render.stop {
-            StopRule::Samples(samples) => samples,
-            _ => u32::MAX,
-        }
-    }
-}
-
-impl Fake {
-    pub fn opener(script: &Arc<Script>) -> OpenBackend<Self> {
-        let script = Arc::clone(script);
-        Box::new(move || {
-            if script.gone.load(Ordering::SeqCst) {
-                return Err(ServeError::Renderer(RenderError::DeviceLost(
-                    "gone".to_owned(),
-                )));
-            }
-            script.opened.fetch_add(1, Ordering::SeqCst);
-            Ok(Self {
-                script: Arc::clone(&script),
-            })
-        })
-    }
-
-    fn call(&self) -> Result<(), RenderError> {
-        self.script.calls.fetch_add(1, Ordering::SeqCst);
-        if self.script.lose.swap(false, Ordering::SeqCst) {
-            return Err(RenderError::DeviceLost("the test took it away".to_owned()));
-        }
-        Ok(())
-    }
-}
-
-impl Backend for Fake {
-    type View = FakeView;
-
-    fn adapter(&self) -> Adapter {
-        Adapter {
-            name: "fake".to_owned(),
-            driver: "none".to_owned(),
-            kind: AdapterKind::Software,
-        }
-    }
-
-    fn create_view(
-        &mut self,
-        scene: Arc<Scene>,
-        width: u32,
-        height: u32,
-    ) -> Result<FakeView, RenderError> {
-        self.call()?;
-        Ok(FakeView {
-            scene,
-            size: (width, height),
-            samples: 0,
-            finished: VecDeque::new(),
-        })
-    }
-
-    fn update_view(&mut self, view: &mut FakeView, scene: Arc<Scene>) -> Result<(), RenderError> {
-        self.call()?;
-        if *view.scene != *scene {
-            view.samples = 0;
-        }
-        view.scene = scene;
-        Ok(())
-    }
-
-    fn resize_view(
-        &mut self,
-        view: &mut FakeView,
-        width: u32,
-        height: u32,
-    ) -> Result<(), RenderError> {
-        self.call()?;
-        view.size = (width, height);
-        view.samples = 0;
-        Ok(())
-    }
-
-    fn render(&mut self, view: &mut FakeView, tag: u64) -> Result<RenderOutcome, RenderError> {
-        self.call()?;
-        if view.samples >= view.target() {
-            return Ok(RenderOutcome::Converged);
-        }
-        self.script.frames.fetch_add(1, Ordering::SeqCst);
-        view.samples += 1;
-        let (width, height) = view.size;
-        let ready = Instant::now() + Duration::from_millis(2);
-        let frame = FinishedFrame {
-            tag,
-            width,
-            height,
-            rgba: vec![view.samples as u8; 4 * (width * height) as usize],
-            samples: view.samples,
-            converged: view.samples >= view.target(),
-            epoch: 0,
-            stats: FrameStats::default(),
-            pass_times: Vec::new(),
-            render_micros: 2000,
-            units: 0,
-            shadow_layers: 0,
-        };
-        view.finished.push_back((ready, frame));
-        Ok(RenderOutcome::Submitted)
-    }
-
-    fn poll(&mut self) -> Result<(), RenderError> {
-        self.call()
-    }
-
-    fn wait(&mut self) -> Result<(), RenderError> {
-        std::thread::sleep(Duration::from_millis(2));
-        self.call()
-    }
-
-    fn take_finished(&mut self, view: &mut FakeView) -> Option<FinishedFrame> {
-        let ready = view
-            .finished
-            .front()
-            .is_some_and(|(ready, _)| *ready <= Instant::now());
-        if ready {
-            view.finished.pop_front().map(|(_, frame)| frame)
-        } else {
-            None
-        }
-    }
-
-    fn plan(&self, view: &FakeView) -> Plan {
-        Plan {
-            passes: vec![PlannedPass {
-                pass: "fake".to_owned(),
-                variant: String::new(),
-                reason: format!("{} media", view.scene.media.len()),
-            }],
-            skipped: Vec::new(),
-        }
-    }
-
-    fn is_converged(&self, view: &FakeView) -> bool {
-        view.samples >= view.target()
-    }
-}
 
 /// A running service.
 pub struct Server {

@@ -1,0 +1,88 @@
+//! The one thread that owns the device.
+//!
+//! It compares what each session wants with what it last rendered and starts one frame a session
+//! in turn, so that no session starves another. A session with two frames on their way, a hidden
+//! page and a converged picture get nothing. With nothing to do it sleeps on a bell and uses no
+//! CPU.
+//!
+//! - `round`: the loop;
+//! - `seat`: a session's place at the device;
+//! - `show`: brings a picture to a wish, prepared first, with `fit` smaller where memory is short;
+//! - `refusal`: pictures that cannot be made, and frames that cannot be read;
+//! - `recovery`: a lost device, who may have lost it, and another one;
+//! - `readiness`: what the routes ask.
+
+mod fit;
+mod readiness;
+mod recovery;
+mod refusal;
+mod round;
+mod seat;
+mod show;
+
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+use tokio_util::sync::CancellationToken;
+use tyndall_stream::protocol::{Adapter, AdapterKind};
+
+use self::round::RenderThread;
+use crate::backend::{Backend, OpenBackend};
+use crate::encoder_pool::EncoderPool;
+use crate::options::ServeError;
+use crate::sessions::Sessions;
+
+pub(crate) use self::readiness::Readiness;
+
+/// Starts the thread and waits until its device is open.
+pub(crate) async fn start<B: Backend + 'static>(
+    mut open: OpenBackend<B>,
+    sessions: Arc<Sessions>,
+    encoders: EncoderPool,
+    readiness: Arc<Readiness>,
+    shutdown: CancellationToken,
+) -> Result<(JoinHandle<()>, Adapter), ServeError> {
+    let fault = |reason: String| ServeError::Thread {
+        name: "render",
+        reason,
+    };
+    let (tell, told) = tokio::sync::oneshot::channel();
+    let thread = std::thread::Builder::new()
+        .name("render".to_owned())
+        .spawn(move || {
+            // Whatever ends this thread ends the service: without it there is nothing to serve.
+            let _ends_service = shutdown.clone().drop_guard();
+            let backend = match open() {
+                Ok(backend) => backend,
+                Err(error) => {
+                    // The starter only goes away together with the process.
+                    drop(tell.send(Err(error)));
+                    return;
+                }
+            };
+            let adapter = backend.adapter();
+            readiness.set(true);
+            let software = adapter.kind == AdapterKind::Software;
+            if tell.send(Ok(adapter)).is_ok() {
+                RenderThread {
+                    backend: Some(backend),
+                    open,
+                    sessions,
+                    encoders,
+                    readiness: Arc::clone(&readiness),
+                    shutdown,
+                    seats: Vec::new(),
+                    turn: 0,
+                    software,
+                    device_errors: 0,
+                }
+                .run();
+            }
+            readiness.set(false);
+        })
+        .map_err(|error| fault(error.to_string()))?;
+    match told.await {
+        Ok(opened) => Ok((thread, opened?)),
+        Err(_closed) => Err(fault("ended while opening the device".to_owned())),
+    }
+}

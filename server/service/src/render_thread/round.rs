@@ -1,0 +1,296 @@
+//! The loop of the render thread: who gets the next frame, what has come back, when to sleep.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use tokio_util::sync::CancellationToken;
+use tyndall_render::{Prepared, RenderError, RenderOutcome};
+
+use super::readiness::Readiness;
+use super::refusal::{Loss, is_loss, refuse, unread};
+use super::seat::{Flight, Seat};
+use super::show::{show, show_meanwhile};
+use crate::backend::{Backend, OpenBackend};
+use crate::bell::lock;
+use crate::encoder_pool::{EncoderPool, Job};
+use crate::sessions::Sessions;
+use crate::telemetry;
+
+/// Rest between looks at what is still being worked on.
+const POLL_EVERY: Duration = Duration::from_millis(1);
+
+/// Everything the thread owns.
+pub(super) struct RenderThread<B: Backend> {
+    /// `None` while no device is open.
+    pub(super) backend: Option<B>,
+    pub(super) open: OpenBackend<B>,
+    pub(super) sessions: Arc<Sessions>,
+    pub(super) encoders: EncoderPool,
+    pub(super) readiness: Arc<Readiness>,
+    pub(super) shutdown: CancellationToken,
+    pub(super) seats: Vec<Seat<B::View>>,
+    /// Who is asked first, so that everyone is once.
+    pub(super) turn: usize,
+    pub(super) software: bool,
+    pub(super) device_errors: u32,
+}
+
+impl<B: Backend> RenderThread<B> {
+    pub(super) fn run(mut self) {
+        while !self.shutdown.is_cancelled() {
+            if let Err(loss) = self.round() {
+                self.recover(&loss);
+            }
+        }
+        for seat in &mut self.seats {
+            seat.clear();
+        }
+    }
+
+    /// One pass over all sessions; sleeps when there is nothing to do.
+    fn round(&mut self) -> Result<(), Loss> {
+        self.seat_sessions();
+        let submitted = self.begin_frames()?;
+        self.turn = self.turn.wrapping_add(1) % self.seats.len().max(1);
+        if !self.is_busy() {
+            self.rest();
+            return Ok(());
+        }
+        let Some(backend) = &mut self.backend else {
+            let error = RenderError::DeviceLost("no device is open".to_owned());
+            return Err(Loss::of_nobody(error));
+        };
+        let looked_after = backend.poll();
+        self.note(looked_after)?;
+        if !self.collect() && !submitted {
+            // Frames are on the device: block for the oldest, or rest if that returned nothing.
+            let waited = self.wait_for_oldest();
+            self.note(waited)?;
+            if !self.collect() {
+                self.sessions.bell.wait(Some(Instant::now() + POLL_EVERY));
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives new sessions a seat and frees those of sessions that are gone.
+    fn seat_sessions(&mut self) {
+        let list = self.sessions.list();
+        let before = self.seats.len();
+        self.seats
+            .retain(|seat| list.iter().any(|session| session.id == seat.session.id));
+        if self.seats.len() < before {
+            // There is memory again: pictures may grow.
+            for seat in &mut self.seats {
+                seat.fit = None;
+            }
+        }
+        for session in list {
+            if !self.seats.iter().any(|seat| seat.session.id == session.id) {
+                self.seats.push(Seat::new(session));
+            }
+        }
+        for seat in &mut self.seats {
+            let wish = seat.session.wish();
+            seat.forget_other_wishes(&wish);
+        }
+    }
+
+    /// Whether frames are on the device.
+    fn is_busy(&self) -> bool {
+        self.seats.iter().any(|seat| seat.flight.is_some())
+    }
+
+    /// Starts one frame for each session that needs one; whether there was any.
+    fn begin_frames(&mut self) -> Result<bool, Loss> {
+        let suspect = self.next_suspect(Instant::now());
+        let is_alone = |seat: &Seat<B::View>| seat.suspect.is_some() && seat.flight.is_some();
+        if self.is_busy() && (suspect.is_some() || self.seats.iter().any(is_alone)) {
+            return Ok(false);
+        }
+        if let Some(index) = suspect
+            && self.begin_frame(index)?
+        {
+            return Ok(true);
+        }
+        let mut any = false;
+        for offset in 0..self.seats.len() {
+            let index = (self.turn + offset) % self.seats.len();
+            if self.seats[index].suspect.is_none() {
+                any |= self.begin_frame(index)?;
+            }
+        }
+        Ok(any)
+    }
+
+    /// [`Self::look`], after which a session whose picture cannot be made knows it.
+    fn begin_frame(&mut self, index: usize) -> Result<bool, Loss> {
+        let error = match self.look(index) {
+            Ok(submitted) => return Ok(submitted),
+            Err(error) => error,
+        };
+        let seat = &mut self.seats[index];
+        if is_loss(&error) {
+            let caller = Some(seat.session.id);
+            return Err(Loss { error, caller });
+        }
+        if let Some(wish) = seat.asked.take() {
+            refuse(seat, wish, error.to_string());
+        }
+        Ok(false)
+    }
+
+    /// Brings one session's picture up to date and starts a frame if it needs one; whether it did.
+    fn look(&mut self, index: usize) -> Result<bool, RenderError> {
+        let (Some(seat), Some(backend)) = (self.seats.get_mut(index), &mut self.backend) else {
+            return Ok(false);
+        };
+        let now = Instant::now();
+        let wish = seat.session.wish();
+        // One frame on the device at a time: a second one would show an older camera.
+        if !wish.watched || seat.refuses(&wish) || seat.flight.is_some() {
+            return Ok(false);
+        }
+        if is_finished(backend, seat) && !seat.has_changed(&wish) && !wish.playing {
+            seat.answer_again(&wish, now);
+            return Ok(false);
+        }
+        if !seat.may_begin(now) {
+            return Ok(false);
+        }
+        // More samples of what the client has not even fetched would replace it and be work for
+        // nothing; a newer input is worth it.
+        let current = seat.answered == Some((wish.input, wish.epoch));
+        if current && seat.session.outbox.holds_frame() {
+            return Ok(false);
+        }
+        // Time stands still while its picture is being prepared or tried alone.
+        let stands = seat.preparing || seat.suspect.is_some();
+        let wish = if wish.playing && !stands {
+            seat.session.advance(now)
+        } else {
+            wish
+        };
+        seat.asked = Some(wish.clone());
+        let wish = match show(backend, seat, &wish)? {
+            Prepared::Ready => wish,
+            Prepared::Pending => {
+                let Some(shown) = show_meanwhile(backend, seat, &wish)? else {
+                    return Ok(false);
+                };
+                if is_finished(backend, seat) || seat.session.outbox.holds_frame() {
+                    return Ok(false);
+                }
+                shown
+            }
+        };
+        let Some(picture) = &mut seat.picture else {
+            return Ok(false);
+        };
+        let Some(frame_id) = lock(&seat.session.pacing).begin(now) else {
+            return Ok(false);
+        };
+        let outcome = backend.render(&mut picture.view, u64::from(frame_id));
+        if !matches!(outcome, Ok(RenderOutcome::Submitted)) {
+            lock(&seat.session.pacing).discard(frame_id);
+        }
+        match outcome? {
+            RenderOutcome::Submitted => {
+                seat.answered = Some((wish.input, wish.epoch));
+                seat.flight = Some(Flight {
+                    frame_id,
+                    wish,
+                    began: now,
+                });
+                Ok(true)
+            }
+            RenderOutcome::Converged => {
+                seat.answer_again(&wish, now);
+                Ok(false)
+            }
+            RenderOutcome::Busy => Ok(false),
+        }
+    }
+
+    /// Blocks until the frame that was begun first is finished, and no longer.
+    fn wait_for_oldest(&mut self) -> Result<(), RenderError> {
+        let flights = self.seats.iter().filter_map(|seat| {
+            let (flight, picture) = (seat.flight.as_ref()?, seat.picture.as_ref()?);
+            Some((flight.began, &picture.view))
+        });
+        let oldest = flights.min_by_key(|(began, _)| *began);
+        match (&mut self.backend, oldest) {
+            (Some(backend), Some((_, view))) => backend.wait_for(view),
+            _ => Ok(()),
+        }
+    }
+
+    /// Hands finished frames to the encoders; whether any frame has come back.
+    fn collect(&mut self) -> bool {
+        let Some(backend) = &mut self.backend else {
+            return false;
+        };
+        let mut any = false;
+        for seat in &mut self.seats {
+            let mut take = |seat: &mut Seat<B::View>| {
+                let picture = seat.picture.as_mut()?;
+                backend.take_finished(&mut picture.view)
+            };
+            while let Some(taken) = take(seat) {
+                any = true;
+                let frame = match taken {
+                    Ok(frame) => frame,
+                    Err(failed) => {
+                        unread(seat, &failed);
+                        continue;
+                    }
+                };
+                telemetry::frame_rendered(&frame);
+                let ours = |flight: &mut Flight| u64::from(flight.frame_id) == frame.tag;
+                let Some(flight) = seat.flight.take_if(ours) else {
+                    continue;
+                };
+                seat.unread = None;
+                seat.tried = seat.suspect.take().or(seat.tried.take());
+                self.encoders.submit(Job {
+                    session: Arc::clone(&seat.session),
+                    frame,
+                    frame_id: flight.frame_id,
+                    wish: flight.wish,
+                    software: self.software,
+                });
+            }
+        }
+        any
+    }
+
+    /// Whether the session's picture is not what it should be yet.
+    pub(super) fn wants_frame(&self, seat: &Seat<B::View>) -> bool {
+        let wish = seat.session.wish();
+        let finished = self
+            .backend
+            .as_ref()
+            .is_some_and(|backend| is_finished(backend, seat));
+        wish.watched
+            && !seat.refuses(&wish)
+            && (seat.has_changed(&wish) || !finished || wish.playing)
+    }
+
+    /// Sleeps until something changes, a client that stopped acknowledging is due, or it is time to
+    /// ask again for what is being prepared.
+    fn rest(&self) {
+        let soon = Instant::now() + POLL_EVERY;
+        let due = self.seats.iter().filter(|seat| self.wants_frame(seat));
+        let deadline = due.filter_map(|seat| {
+            let preparing = seat.preparing.then_some(soon);
+            preparing.or_else(|| lock(&seat.session.pacing).next_deadline())
+        });
+        self.sessions.bell.wait(deadline.min());
+    }
+}
+
+/// Whether rendering more of the seat's picture would change nothing.
+fn is_finished<B: Backend>(backend: &B, seat: &Seat<B::View>) -> bool {
+    let picture = seat.picture.as_ref();
+    picture.is_some_and(|picture| backend.is_converged(&picture.view))
+}

@@ -1,0 +1,152 @@
+//! A session's place at the device: its picture, its frame on the device, and what is known of its wish.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::fit::Fit;
+use crate::bell::lock;
+use crate::session::{Session, Wish};
+
+/// A session's picture on the device.
+pub(super) struct Picture<V> {
+    pub(super) view: V,
+    /// What it shows.
+    pub(super) shown: Wish,
+    /// Its size, smaller than the wish's where memory is short. Unit: pixel.
+    pub(super) size: (u32, u32),
+}
+
+/// A frame on the device.
+pub(super) struct Flight {
+    pub(super) frame_id: u32,
+    /// What the frame shows.
+    pub(super) wish: Wish,
+    pub(super) began: Instant,
+}
+
+/// A session's place at the device.
+pub(super) struct Seat<V> {
+    pub(super) session: Arc<Session>,
+    pub(super) picture: Option<Picture<V>>,
+    pub(super) flight: Option<Flight>,
+    /// Input and epoch of the newest frame that was begun.
+    pub(super) answered: Option<(u64, u32)>,
+    /// The wish that the device was last asked to show.
+    pub(super) asked: Option<Wish>,
+    /// A wish that the renderer refused; not tried again until it changes.
+    pub(super) refused: Option<Wish>,
+    /// Whether what the wish needs was still being prepared when it was asked for last.
+    pub(super) preparing: bool,
+    /// The smaller size that the picture got, and the wish it belongs to.
+    pub(super) fit: Option<Fit>,
+    /// A wish whose frame was one of several on a lost device: its next frame has the device alone.
+    pub(super) suspect: Option<Wish>,
+    /// A wish that was suspect and whose frame came back when it had the device alone.
+    pub(super) tried: Option<Wish>,
+    /// A wish whose last frames could not be read, and how many in a row.
+    pub(super) unread: Option<(Wish, u32)>,
+}
+
+impl<V> Seat<V> {
+    pub(super) fn new(session: Arc<Session>) -> Self {
+        Self {
+            session,
+            picture: None,
+            flight: None,
+            answered: None,
+            asked: None,
+            refused: None,
+            preparing: false,
+            fit: None,
+            suspect: None,
+            tried: None,
+            unread: None,
+        }
+    }
+
+    /// Forgets everything on the device.
+    pub(super) fn clear(&mut self) {
+        self.picture = None;
+        self.preparing = false;
+        if let Some(flight) = self.flight.take() {
+            lock(&self.session.pacing).discard(flight.frame_id);
+        }
+    }
+
+    /// Forgets what was found out about wishes that are no longer this session's.
+    pub(super) fn forget_other_wishes(&mut self, wish: &Wish) {
+        let is_other = |known: &Wish| !same_wish(known, wish);
+        if self.suspect.as_ref().is_some_and(is_other) {
+            self.suspect = None;
+        }
+        if self.tried.as_ref().is_some_and(is_other) {
+            self.tried = None;
+        }
+        if self
+            .unread
+            .as_ref()
+            .is_some_and(|(known, _)| is_other(known))
+        {
+            self.unread = None;
+        }
+    }
+
+    /// Whether this wish was refused.
+    pub(super) fn refuses(&self, wish: &Wish) -> bool {
+        let refused = self.refused.as_ref();
+        refused.is_some_and(|refused| same_picture(refused, wish))
+    }
+
+    /// The size that the wish gets. Unit: pixel.
+    pub(super) fn size_for(&self, wish: &Wish) -> (u32, u32) {
+        let fit = self.fit.as_ref().filter(|fit| fit.serves(wish));
+        fit.map_or((wish.width, wish.height), |fit| fit.size)
+    }
+
+    /// Whether the picture is not the wish's.
+    pub(super) fn has_changed(&self, wish: &Wish) -> bool {
+        self.picture.as_ref().is_none_or(|picture| {
+            !same_picture(&picture.shown, wish) || picture.size != self.size_for(wish)
+        })
+    }
+
+    /// Whether the client takes another frame.
+    pub(super) fn may_begin(&self, now: Instant) -> bool {
+        lock(&self.session.pacing).is_open(now)
+    }
+
+    /// Sends the last picture again when it is finished and answers a newer input or connection too:
+    /// an input that changed nothing still gets its answer, a resumed page its picture.
+    pub(super) fn answer_again(&mut self, wish: &Wish, now: Instant) {
+        let mut pacing = lock(&self.session.pacing);
+        // While frames are on their way an encoder may hold a newer picture than the last one.
+        if self.answered == Some((wish.input, wish.epoch)) || pacing.in_flight() > 0 {
+            return;
+        }
+        let Some(last) = self.session.outbox.last_frame() else {
+            return;
+        };
+        let Some(frame_id) = pacing.begin(now) else {
+            return;
+        };
+        match last.renumbered(frame_id, wish.epoch, wish.input) {
+            Some(frame) => {
+                self.answered = Some((wish.input, wish.epoch));
+                // Nothing was on its way, so nothing waits to be replaced.
+                drop(self.session.outbox.set_frame(frame));
+            }
+            None => pacing.discard(frame_id),
+        }
+    }
+}
+
+/// Whether two wishes need the same picture.
+pub(super) fn same_picture(a: &Wish, b: &Wish) -> bool {
+    Arc::ptr_eq(&a.scene, &b.scene) && (a.width, a.height) == (b.width, b.height)
+}
+
+/// Whether the client wants the same: of a scene that plays, every frame is another picture of one wish.
+pub(super) fn same_wish(a: &Wish, b: &Wish) -> bool {
+    let client = |wish: &Wish| (wish.epoch, wish.input, wish.width, wish.height);
+    same_picture(a, b) || (a.playing && b.playing && client(a) == client(b))
+}
