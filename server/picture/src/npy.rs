@@ -34,7 +34,7 @@ pub fn read_npy(path: &Path) -> Result<Image, PictureError> {
 /// Reads arrays `mean` and, if there, `stderr` (standard error, squared into the variance).
 pub(crate) fn read_npz(path: &Path) -> Result<Image, PictureError> {
     let file = File::open(path).map_err(|error| PictureError::io(path, error))?;
-    let member = |name: &str| {
+    let member = |name: &str| -> Result<_, PictureError> {
         let content = |what: &dyn std::fmt::Display| {
             PictureError::content(path, format_args!("{name}: {what}"))
         };

@@ -1,9 +1,10 @@
 //! Arrays of numpy (`.npy`), versions 1 to 3, with three axes: as a grid, or as plain numbers.
 //!
-//! This is the only reader of the format here. Crates that know it (npyz, ndarray-npy) parse the
-//! header as any Python expression with py_literal, whose time doubles with each nested bracket: a
-//! header of 60 bytes keeps them busy for years. They also allocate as many bytes as a header says it
-//! has.
+//! This is the only reader of the format here. The crates npyz and ndarray-npy parse the header as any
+//! Python expression with `py_literal`, whose grammar tries the inside of a bracket that is not closed
+//! again and again: its steps multiply with every nested bracket, so that a short hostile header would
+//! keep it busy without end. And npyz allocates what the header's length says, up to 4 GiB, before it
+//! reads.
 
 mod array;
 mod header;

@@ -2,7 +2,7 @@
 
 use std::io::{ErrorKind, Read};
 
-use super::Header;
+use super::header::Header;
 use crate::VolumeError;
 
 /// How much is read at once: a multiple of every number's length. Unit: byte.
