@@ -180,7 +180,8 @@ impl Crate {
                     return self.definition(&at, &used.path, seen);
                 }
                 let (_, folder) = used.path.split_last().filter(|(last, _)| *last == "*")?;
-                let found = self.definition(&at, &[folder, &[name.clone()]].concat(), seen)?;
+                let found =
+                    self.definition(&at, &[folder, std::slice::from_ref(name)].concat(), seen)?;
                 self.files[&found].defines.contains(name).then_some(found)
             });
             match found {
@@ -208,12 +209,9 @@ impl Crate {
 
 impl File {
     fn read(source: &Source) -> Self {
-        let tokens = without_tests(
-            TOKEN
-                .find_iter(&source.code)
-                .map(|t| (t.as_str(), t.start()))
-                .collect(),
-        );
+        let tokens = TOKEN.find_iter(&source.code);
+        let tokens: Vec<(&str, usize)> = tokens.map(|t| (t.as_str(), t.start())).collect();
+        let tokens = without_tests(&tokens);
         let word = |at: usize| tokens.get(at).map_or("", |(token, _)| *token);
         let (mut named, mut defines) = (Vec::new(), BTreeSet::new());
         let mut at = 0;
@@ -314,7 +312,7 @@ fn tree(
 }
 
 /// The tokens without the items that stand under `#[cfg(test)]`.
-fn without_tests(tokens: Vec<(&str, usize)>) -> Vec<(&str, usize)> {
+fn without_tests<'a>(tokens: &[(&'a str, usize)]) -> Vec<(&'a str, usize)> {
     const TEST: [&str; 7] = ["#", "[", "cfg", "(", "test", ")", "]"];
     let mut kept = Vec::with_capacity(tokens.len());
     let mut at = 0;
