@@ -7,9 +7,9 @@
 //! text ([`table()`]), [`csv()`], JSON (the rows) and [`html`].
 
 mod budget;
+mod claim;
 mod error;
 mod frames;
-mod claim;
 mod machine;
 mod measures;
 mod memory;
@@ -25,9 +25,9 @@ mod table;
 mod truth;
 
 pub use budget::Budget;
+pub use claim::Claim;
 pub use error::BenchError;
 pub use frames::{FrameBench, Row};
-pub use claim::Claim;
 pub use machine::Machine;
 pub use measures::Measures;
 pub use peer::PeerOptions;

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use tyndall_quality::Image;
 use tyndall_scene::{Loaded, SceneDescription};
 
-use crate::error::BenchError;
 use crate::claim::Claim;
+use crate::error::BenchError;
 use crate::pm_ref;
 
 /// A scene to be measured.

@@ -10,8 +10,8 @@ use tyndall_render::Renderer;
 use tyndall_scene::description::render::{CorrectionMode, ShadowMode, Technique};
 use tyndall_scene::{Scene, SceneDescription, SceneEdit, apply_edit};
 
-use crate::error::BenchError;
 use crate::claim::Claim;
+use crate::error::BenchError;
 use crate::shot::{WARM_UP, shoot};
 use crate::subject::Subject;
 

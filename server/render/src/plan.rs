@@ -58,10 +58,6 @@ fn plan_uncorrected(plan: &mut FramePlan, traced: bool, why: &str) {
             "error of the mean from its two halves",
         );
     } else {
-        plan.skip(
-            estimate::PASS,
-            "",
-            "the technique does not know its error",
-        );
+        plan.skip(estimate::PASS, "", "the technique does not know its error");
     }
 }

@@ -127,7 +127,7 @@ impl Shared {
             Some(Traces::Rays) => assets.placement.has(false),
             Some(Traces::Triangles) => assets.placement.has(true),
         };
-        let constants = constants(scene, &tyndall_scene::facts(scene), &assets);
+        let constants = scene_constants(scene, &assets);
         has_geometry
             && pipelines(plan, &constants).all(|(constants, list)| {
                 let compute = |name: &String| self.pipelines.has_compute(name, &constants);
@@ -143,7 +143,7 @@ impl Shared {
     fn make(&self, scene: &Scene, plan: &FramePlan) -> Result<GpuAssets, RenderError> {
         let assets = self.assets.assets(&self.device, scene)?;
         need_geometry(&self.device, &assets.placement, plan)?;
-        let constants = constants(scene, &tyndall_scene::facts(scene), &assets);
+        let constants = scene_constants(scene, &assets);
         for (constants, list) in pipelines(plan, &constants) {
             for name in &list.compute {
                 self.pipelines.compute(&self.device, name, &constants)?;
@@ -154,6 +154,11 @@ impl Shared {
         }
         Ok(assets)
     }
+}
+
+fn scene_constants(scene: &Scene, assets: &GpuAssets) -> Constants {
+    let emitter_count = assets.placement.emitter_count();
+    constants(scene, &tyndall_scene::facts(scene), emitter_count)
 }
 
 /// The pipelines of every pass, and the constants they are built for.
@@ -169,7 +174,11 @@ fn pipelines(
 }
 
 /// Makes it all on a thread of its own, which ends with it.
-fn start(shared: Shared, scene: Arc<Scene>, plan: FramePlan) -> Option<Receiver<Option<GpuAssets>>> {
+fn start(
+    shared: Shared,
+    scene: Arc<Scene>,
+    plan: FramePlan,
+) -> Option<Receiver<Option<GpuAssets>>> {
     let (sender, receiver) = sync_channel(1);
     let make = move || {
         // What the driver refuses here belongs to no frame: the view that takes the scene meets it again.
@@ -187,4 +196,57 @@ fn start(shared: Shared, scene: Arc<Scene>, plan: FramePlan) -> Option<Receiver<
     };
     let thread = std::thread::Builder::new().name("prepare".to_owned());
     thread.spawn(make).ok().map(|_handle| receiver)
+}
+
+#[cfg(test)]
+mod tests {
+    use tyndall_scene::{CorrectionMode, ShadowMode, Technique, presets};
+
+    use super::*;
+
+    #[test]
+    fn every_shader_of_a_plan_is_listed_and_given_every_constant_that_it_declares() {
+        for preset in presets::names() {
+            let description = presets::description(preset.name).expect("a preset");
+            let mut scene = tyndall_scene::build(description, None)
+                .expect("valid")
+                .scene;
+            for technique in [Technique::SingleScattering, Technique::Reference] {
+                for (correction, shadows) in [
+                    (CorrectionMode::Off, ShadowMode::Traced),
+                    (CorrectionMode::Always, ShadowMode::Mapped),
+                ] {
+                    scene.render.technique = technique;
+                    scene.render.correction = correction;
+                    scene.render.shadows.mode = shadows;
+                    scene.render.single_scattering.interleave = 4;
+                    scene.render.single_scattering.half_resolution = true;
+                    check(&scene);
+                }
+            }
+        }
+    }
+
+    fn check(scene: &Scene) {
+        let facts = tyndall_scene::facts(scene);
+        let plan = plan(&facts, &scene.render, &PlanLimits::default()).expect("rendered");
+        for (constants, list) in pipelines(&plan, &constants(scene, &facts, 1)) {
+            for name in &list.compute {
+                let shader = tyndall_shaders::shader(name);
+                let shader = shader.unwrap_or_else(|| panic!("{name} is in no list"));
+                let missing = constants.missing(shader);
+                assert!(
+                    missing.is_empty(),
+                    "{}: {name} lacks {missing:?}",
+                    scene.name
+                );
+            }
+            for (name, _) in &list.raster {
+                assert!(
+                    tyndall_shaders::shader(name).is_some(),
+                    "{name} is in no list"
+                );
+            }
+        }
+    }
 }

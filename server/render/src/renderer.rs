@@ -6,8 +6,8 @@ use std::time::Instant;
 use tyndall_scene::Scene;
 
 use crate::engine::{
-    AdapterSummary, Device, FrameMeta, FrameTiming, MemoryBudget, Pipelines, Pool, Recording, SelfTest,
-    statistics_scale, wait,
+    AdapterSummary, Device, FrameMeta, FrameTiming, MemoryBudget, Pipelines, Pool, Recording,
+    SelfTest, statistics_scale, wait,
 };
 use crate::error::RenderError;
 use crate::frame::{self, PlanLimits};

@@ -58,5 +58,13 @@ pub use stages::*;
 
 /// Name, size and (field, offset) of every mirror, for the layout test.
 pub fn layouts() -> Vec<Layout> {
-    [correction::layouts(), frame::layouts(), reference::layouts(), scene::layouts(), single_scattering::layouts(), stages::layouts()].concat()
+    [
+        correction::layouts(),
+        frame::layouts(),
+        reference::layouts(),
+        scene::layouts(),
+        single_scattering::layouts(),
+        stages::layouts(),
+    ]
+    .concat()
 }

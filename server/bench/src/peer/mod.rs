@@ -16,8 +16,8 @@ use tyndall_picture::read_npy;
 use tyndall_quality::Image;
 use tyndall_scene::Scene;
 
-use crate::error::BenchError;
 use crate::claim::Claim;
+use crate::error::BenchError;
 
 /// The script, and what it imports, as they are run.
 const SCRIPTS: [(&str, &str); 2] = [

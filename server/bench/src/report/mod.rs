@@ -6,8 +6,8 @@ mod strip;
 
 use std::fmt::Write as _;
 
-use crate::error::BenchError;
 use crate::claim::Claim;
+use crate::error::BenchError;
 use crate::machine::Machine;
 use crate::row::LadderRow;
 use crate::suite::SceneResult;

@@ -6,8 +6,8 @@ use tyndall_picture::{display, encode_png};
 use tyndall_quality::{Image, magma};
 
 use super::escape::escape;
-use crate::error::BenchError;
 use crate::claim::Claim;
+use crate::error::BenchError;
 use crate::measures::error_map;
 use crate::suite::SceneResult;
 

@@ -148,7 +148,13 @@ impl Correct {
 impl Pass for Correct {
     fn pipelines(&self, _planned: &PlannedPass, list: &mut PipelineList) {
         let base = if self.base { "+base" } else { "" };
-        for name in ["reduce", "band_energy", "window_energy", "believed_energy", "combine"] {
+        for name in [
+            "reduce",
+            "band_energy",
+            "window_energy",
+            "believed_energy",
+            "combine",
+        ] {
             list.compute(&format!("correction+{name}"));
         }
         list.compute(&format!("correction+residual{base}"));

@@ -34,15 +34,14 @@ pub(crate) const SQUARE_ERRORS: ResourceSpec =
     ResourceSpec::buffer("square_errors", Bytes::PerPixel(4)).kept();
 
 /// The technique's mean with what was carried over of it, and what that was in the last picture.
-const STEADY_BASE: ResourceSpec = ResourceSpec::buffer("base_film", Bytes::PerPixel(16))
-    .with_previous("history_base");
+const STEADY_BASE: ResourceSpec =
+    ResourceSpec::buffer("base_film", Bytes::PerPixel(16)).with_previous("history_base");
 /// Distance and number of the technique's samples, two f32 a pixel. Unit: m.
-const PLACES: ResourceSpec = ResourceSpec::buffer("residual_places", Bytes::PerPixel(8))
-    .with_previous("history_places");
+const PLACES: ResourceSpec =
+    ResourceSpec::buffer("residual_places", Bytes::PerPixel(8)).with_previous("history_places");
 /// Residuals and technique's mean of the last picture, looked up where the present one sees the same.
 const CARRIED: ResourceSpec = ResourceSpec::buffer("carried", Bytes::PerPixel(32)).kept();
-const CARRIED_BASE: ResourceSpec =
-    ResourceSpec::buffer("carried_base", Bytes::PerPixel(16)).kept();
+const CARRIED_BASE: ResourceSpec = ResourceSpec::buffer("carried_base", Bytes::PerPixel(16)).kept();
 const BASE_SCALES: ResourceSpec = per_tile("base_scales", 16);
 const TILE_CHANGES: ResourceSpec = per_tile("tile_changes", size_of::<TileChange>() as u64);
 const FORGETTING: ResourceSpec = per_tile("forgetting", 4);

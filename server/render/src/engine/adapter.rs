@@ -44,9 +44,7 @@ const MOST_OF_A_HEAP: u8 = 95;
 pub(super) fn enumerate() -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::VULKAN;
-    descriptor
-        .memory_budget_thresholds
-        .for_resource_creation = Some(MOST_OF_A_HEAP);
+    descriptor.memory_budget_thresholds.for_resource_creation = Some(MOST_OF_A_HEAP);
     let instance = wgpu::Instance::new(descriptor);
     pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN))
 }

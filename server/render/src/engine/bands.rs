@@ -65,7 +65,13 @@ mod tests {
 
     #[test]
     fn parts_cover_every_group_once_and_keep_to_the_bound() {
-        for groups in [[1, 1, 1], [160, 90, 1], [7, 5, 3], [1000, 1, 1], [3, 200, 2]] {
+        for groups in [
+            [1, 1, 1],
+            [160, 90, 1],
+            [7, 5, 3],
+            [1000, 1, 1],
+            [3, 200, 2],
+        ] {
             for most in [1, 2, 7, 64, 100_000] {
                 let parts = parts(groups, most);
                 let count = |part: &Part| part.count.map(u64::from).iter().product::<u64>();
@@ -76,7 +82,8 @@ mod tests {
                 firsts.sort_unstable();
                 firsts.dedup();
                 assert_eq!(firsts.len(), parts.len());
-                let inside = |part: &Part| (0..3).all(|i| part.first[i] + part.count[i] <= groups[i]);
+                let inside =
+                    |part: &Part| (0..3).all(|i| part.first[i] + part.count[i] <= groups[i]);
                 assert!(parts.iter().all(inside));
             }
         }

@@ -124,7 +124,8 @@ impl Pool {
                 });
             }
         }
-        self.shared.retain(|(_, _, memory)| memory.strong_count() > 0);
+        self.shared
+            .retain(|(_, _, memory)| memory.strong_count() > 0);
         self.check_all(device, &wanted, before)?;
         let mut entries: Vec<Entry> = Vec::with_capacity(wanted.len());
         for wanted in wanted {
@@ -181,12 +182,7 @@ impl Pool {
             .and_then(|(_, _, memory)| memory.upgrade())
     }
 
-    fn entry(
-        &mut self,
-        device: &Device,
-        wanted: Wanted,
-        before: Option<&ViewResources>,
-    ) -> Entry {
+    fn entry(&mut self, device: &Device, wanted: Wanted, before: Option<&ViewResources>) -> Entry {
         let Wanted { spec, kind, .. } = wanted;
         let make = || Arc::new(kind.make(device, spec.name));
         let (memory, other) = match spec.life {
@@ -402,14 +398,14 @@ impl Kind {
 
     fn make(self, device: &Device, name: &'static str) -> Memory {
         match self {
-            Self::Buffer { bytes, usage } => Memory::Buffer(device.device.create_buffer(
-                &wgpu::BufferDescriptor {
+            Self::Buffer { bytes, usage } => {
+                Memory::Buffer(device.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some(name),
                     size: bytes,
                     usage,
                     mapped_at_creation: false,
-                },
-            )),
+                }))
+            }
             Self::Texture {
                 size,
                 format,

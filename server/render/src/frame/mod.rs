@@ -11,8 +11,8 @@ mod pass;
 mod plan;
 mod record;
 
-pub use input::PlanLimits;
 pub(crate) use input::PlanInput;
+pub use input::PlanLimits;
 pub(crate) use kept::{Filled, Kept, KeptKind, KeptStates, Preparation};
 pub(crate) use parts::Parts;
 pub(crate) use pass::{Dispatch, MadeBefore, Pass, PipelineList, Reach};

@@ -29,10 +29,7 @@ pub(crate) fn record(
 
 /// Refuses a pass that reads what lives for a frame and nothing of this frame wrote: another view's
 /// values may be in it.
-fn note_written(
-    planned: &PlannedPass,
-    written: &mut Vec<&'static str>,
-) -> Result<(), RenderError> {
+fn note_written(planned: &PlannedPass, written: &mut Vec<&'static str>) -> Result<(), RenderError> {
     let writes = planned.accesses.iter().filter(|a| a.kind.writes());
     written.extend(writes.map(|access| access.resource.name));
     let unwritten = planned.accesses.iter().find(|access| {

@@ -45,7 +45,11 @@ impl CpuBvh {
         let mut duration = std::time::Duration::ZERO;
         let parameters = BvhBuildParams::medium_build();
         let tree = build_cwbvh_from_tris(&triangles, parameters, &mut duration);
-        check("levels of the BVH", depth_of(&tree) as u64, MAX_DEPTH as u64)?;
+        check(
+            "levels of the BVH",
+            depth_of(&tree) as u64,
+            MAX_DEPTH as u64,
+        )?;
         Ok(Self {
             tree,
             triangles,
@@ -207,7 +211,9 @@ mod tests {
     #[test]
     fn rays_meet_the_nearest_triangle_that_faces_them() {
         let description = tyndall_scene::presets::description("cornell_fog").expect("a preset");
-        let scene = tyndall_scene::build(description, None).expect("valid").scene;
+        let scene = tyndall_scene::build(description, None)
+            .expect("valid")
+            .scene;
         let bvh = CpuBvh::build(&scene.geometry, DVec3::ZERO).expect("built");
         let mut met = 0;
         for i in 0..4000_u32 {

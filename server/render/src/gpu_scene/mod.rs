@@ -15,17 +15,17 @@ mod triangles;
 mod values;
 
 pub(crate) use assets::{AssetCache, GpuAssets};
-pub(crate) use bvh::GpuBvh;
 #[cfg(feature = "probe")]
 pub(crate) use bvh::CpuBvh;
+pub(crate) use bvh::GpuBvh;
+#[cfg(feature = "probe")]
+pub(crate) use camera::frame_values;
+pub(crate) use camera::{SampleValues, columns, history_view, pixel_ray};
 pub(crate) use environment::GpuEnvironment;
 #[cfg(feature = "probe")]
 pub(crate) use environment::environment_values;
 pub(crate) use geometry::{DrawClass, GpuGeometry, VERTEX_LAYOUT};
 pub(crate) use grids::GpuGrids;
-#[cfg(feature = "probe")]
-pub(crate) use camera::frame_values;
-pub(crate) use camera::{SampleValues, columns, history_view, pixel_ray};
 pub(crate) use inputs::Inputs;
 #[cfg(feature = "probe")]
 pub(crate) use materials::material_values;

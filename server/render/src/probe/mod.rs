@@ -116,9 +116,7 @@ pub fn failing_pipelines(device: &Device) -> Vec<String> {
                 } else {
                     surfaces::gbuffer_state(2)
                 };
-                pipelines
-                    .raster(device, shader.name, &state)
-                    .map(|_| ())
+                pipelines.raster(device, shader.name, &state).map(|_| ())
             };
             built.err().map(|error| format!("{}: {error}", shader.name))
         })

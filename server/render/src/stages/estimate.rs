@@ -9,7 +9,8 @@ use crate::picture::When;
 pub(crate) const PASS: PassId = PassId("estimate");
 
 /// Four f32 a tile of 8×8 pixels.
-const TILE_SUMS: ResourceSpec = ResourceSpec::buffer("tile_sums", Bytes::PerTile { side: 8, bytes: 16 });
+const TILE_SUMS: ResourceSpec =
+    ResourceSpec::buffer("tile_sums", Bytes::PerTile { side: 8, bytes: 16 });
 
 /// Permutation that sums up the tiles.
 const TOTAL: &str = "estimate+total";

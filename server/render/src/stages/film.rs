@@ -8,8 +8,7 @@ use crate::frame::{Dispatch, FramePlan, NewPass, PassId, PlanInput, Programs, Re
 pub(crate) const PASS: PassId = PassId("film");
 
 /// The picture: RGB mean radiance (W·m⁻²·sr⁻¹) and mean transmittance, four f32 a pixel.
-pub(crate) const FILM: ResourceSpec =
-    ResourceSpec::buffer("film", Bytes::PerPixel(16)).kept();
+pub(crate) const FILM: ResourceSpec = ResourceSpec::buffer("film", Bytes::PerPixel(16)).kept();
 
 /// The technique's own mean, four f32 a pixel, where traced samples correct it.
 pub(crate) const TECHNIQUE_FILM: ResourceSpec =
@@ -33,13 +32,9 @@ pub(crate) fn plan(plan: &mut FramePlan, film: ResourceSpec, layers: &[Layer]) {
     let features = layers.iter().map(|(feature, _)| feature);
     let permutation = features.fold(Permutation::of("film"), |p, feature| p.with(feature));
     plan.run(
-        NewPass::new(
-            PASS,
-            Programs::One(permutation),
-            Dispatch(Reach::Picture),
-        )
-        .accesses([SURFACE_RADIANCE.read(), film.written_as("film")])
-        .accesses(layers.iter().map(|(_, access)| *access)),
+        NewPass::new(PASS, Programs::One(permutation), Dispatch(Reach::Picture))
+            .accesses([SURFACE_RADIANCE.read(), film.written_as("film")])
+            .accesses(layers.iter().map(|(_, access)| *access)),
         "running mean while nothing changes",
     );
 }

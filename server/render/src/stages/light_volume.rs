@@ -11,8 +11,8 @@ use tyndall_shaders::types;
 use crate::engine::{Bindings, Device, Recording};
 use crate::error::RenderError;
 use crate::frame::{
-    Filled, FramePlan, Kept, KeptKind, NewPass, Parts, Pass, PassId, PipelineList, PlanInput, PlannedPass,
-    Preparation, Programs,
+    Filled, FramePlan, Kept, KeptKind, NewPass, Parts, Pass, PassId, PipelineList, PlanInput,
+    PlannedPass, Preparation, Programs,
 };
 
 /// Optical depth of density grids toward the lights; filled again only when either changes.
@@ -83,8 +83,8 @@ pub(crate) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) {
             // Each walks through all grids once.
             .iterations(grids as u64 * u64::from(input.facts.voxels_across))
             .keeps(KeptKind::of::<LightVolume>(|_| {
-            Box::new(LightVolume { contents: None })
-        })),
+                Box::new(LightVolume { contents: None })
+            })),
         format!("depth of {grids} grids toward {lights} lights, kept until either changes"),
     );
 }
@@ -139,7 +139,9 @@ impl Kept for LightVolume {
 
     fn settle(&mut self, submitted: bool) {
         if let Some(contents) = &self.contents {
-            contents.filled.set(contents.filled.get().settled(submitted));
+            contents
+                .filled
+                .set(contents.filled.get().settled(submitted));
         }
     }
 }
@@ -207,7 +209,8 @@ impl Contents {
             });
         }
         let size = samples(high - low, spacing, lights, side);
-        let same = before.filter(|before| (before.field.size, before.field.lights) == (size, lights));
+        let same =
+            before.filter(|before| (before.field.size, before.field.lights) == (size, lights));
         let filled = if scene.lights.is_empty() {
             Filled::Yes
         } else {

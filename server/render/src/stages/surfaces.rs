@@ -11,7 +11,8 @@ use crate::engine::{
 };
 use crate::error::RenderError;
 use crate::frame::{
-    Dispatch, FramePlan, NewPass, Parts, Pass, PassId, PipelineList, PlanInput, PlannedPass, Programs, Reach,
+    Dispatch, FramePlan, NewPass, Parts, Pass, PassId, PipelineList, PlanInput, PlannedPass,
+    Programs, Reach,
 };
 use crate::gpu_scene::{DrawClass, VERTEX_LAYOUT};
 
@@ -50,7 +51,11 @@ pub(crate) fn normal(facts: &SceneFacts) -> ResourceSpec {
 
 /// Without triangles nothing is drawn: the view keeps a texture of its own that holds zeros.
 fn drawn_or_empty(spec: ResourceSpec, facts: &SceneFacts) -> ResourceSpec {
-    if facts.triangles > 0 { spec } else { spec.kept() }
+    if facts.triangles > 0 {
+        spec
+    } else {
+        spec.kept()
+    }
 }
 
 /// What of the surfaces is rendered in a simpler form.
@@ -94,7 +99,10 @@ pub(crate) fn plan_gbuffer(plan: &mut FramePlan, input: &PlanInput<'_>) {
                 DrawSurfaces {
                     emissive,
                     opaque: permutation.name().to_owned(),
-                    discarding: permutation.of_shader("gbuffer+discarding").name().to_owned(),
+                    discarding: permutation
+                        .of_shader("gbuffer+discarding")
+                        .name()
+                        .to_owned(),
                 },
             )
             .accesses(targets)

@@ -9,8 +9,7 @@ use crate::picture::When;
 pub(crate) const PASS: PassId = PassId("tonemap");
 
 /// One RGBA8 word a pixel.
-pub(crate) const DISPLAYED: ResourceSpec =
-    ResourceSpec::buffer("displayed", Bytes::PerPixel(4));
+pub(crate) const DISPLAYED: ResourceSpec = ResourceSpec::buffer("displayed", Bytes::PerPixel(4));
 
 /// Plans it, for every picture.
 pub(crate) fn plan(plan: &mut FramePlan) {

@@ -323,7 +323,8 @@ impl View {
 
     /// Whether the stop rule is met: nothing is rendered until something changes.
     pub fn is_converged(&self) -> bool {
-        self.accumulation.is_finished(self.state.scene.render.stop) && !self.accumulation.is_behind()
+        self.accumulation.is_finished(self.state.scene.render.stop)
+            && !self.accumulation.is_behind()
     }
 
     /// Frames submitted and not yet taken.
@@ -338,13 +339,17 @@ impl View {
             Ok(taken) => taken,
             Err(failed) => return Some(Err(failed)),
         };
-        let traced = frame.pass_times.iter().find(|t| t.name == paths::PASS.name());
+        let traced = frame
+            .pass_times
+            .iter()
+            .find(|t| t.name == paths::PASS.name());
         let seconds = traced.map_or(f64::from(frame.render_micros), |t| f64::from(t.micros)) * 1e-6;
         self.slices.measured(frame.units, seconds);
         if let Some(error) = frame.stats.estimated_error {
             let corrected = self.is_corrected();
             let error = if corrected { SAFETY * error } else { error };
-            self.accumulation.note_error(frame.epoch, frame.samples, error);
+            self.accumulation
+                .note_error(frame.epoch, frame.samples, error);
         }
         if let Some(sweep) = sweep {
             self.accumulation

@@ -7,9 +7,7 @@ use std::sync::Arc;
 
 use tyndall_scene::{ChangeSet, Light, Medium, MediumShape, Scene, SceneFacts, ShadowMode};
 
-use crate::engine::{
-    Access, Constants, Device, Pool, ViewResources, most_frame_iterations,
-};
+use crate::engine::{Access, Constants, Device, Pool, ViewResources, most_frame_iterations};
 use crate::error::RenderError;
 use crate::frame::{FramePlan, KeptKind, KeptStates, PlanLimits, Preparation, Traces};
 use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
@@ -74,15 +72,13 @@ impl Maker<'_> {
             .map_or(&nothing, |before| &before.kept)
             .next(&kinds, &preparation)?;
         let inputs = before
-            .filter(|before| {
-                !changed.contains(ChangeSet::SURFACES) && before.inputs.fits(&scene)
-            })
+            .filter(|before| !changed.contains(ChangeSet::SURFACES) && before.inputs.fits(&scene))
             .map_or_else(
                 || Inputs::new(device, &scene),
                 |before| before.inputs.clone(),
             );
         Ok(SceneState {
-            constants: constants(&scene, &facts, &assets),
+            constants: constants(&scene, &facts, assets.placement.emitter_count()),
             scene,
             facts,
             plan,
@@ -170,9 +166,8 @@ pub(crate) fn need_geometry(
     }
 }
 
-/// What pipelines are built for that follows from the scene.
-pub(crate) fn constants(scene: &Scene, facts: &SceneFacts, assets: &GpuAssets) -> Constants {
-    let emitter_count = assets.placement.emitter_count();
+/// What pipelines are built for that follows from the scene and its number of emissive triangles.
+pub(crate) fn constants(scene: &Scene, facts: &SceneFacts, emitter_count: u32) -> Constants {
     let chromatic = |medium: &Medium| {
         let grey = |rgb: [f32; 3]| rgb == [rgb[0]; 3];
         let sigma_t: [f32; 3] = std::array::from_fn(|c| medium.sigma_s[c] + medium.sigma_a[c]);

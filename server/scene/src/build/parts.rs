@@ -14,8 +14,9 @@ use crate::description::{
 use crate::error::SceneError;
 use crate::import::Assets;
 use crate::scene::{
-    Camera, CorrectionMode, DirectionalLight, Environment, Light, Medium, MediumShape, PhaseFunction, PointLight,
-    RenderSettings, Scene, SharedGeometry, SpotLight, StopRule, Technique,
+    Camera, CorrectionMode, DirectionalLight, Environment, Light, Medium, MediumShape,
+    PhaseFunction, PointLight, RenderSettings, Scene, SharedGeometry, SpotLight, StopRule,
+    Technique,
 };
 
 /// Samples a pixel if the description names no stop rule.

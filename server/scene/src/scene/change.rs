@@ -168,8 +168,8 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::scene::PhaseFunction;
     use crate::description::SceneDescription;
+    use crate::scene::PhaseFunction;
     use crate::scene::{
         CorrectionMode, Geometry, MediumOrder, MediumShape, PointLight, ShadowMode, SharedGrid,
         StopRule, Technique,

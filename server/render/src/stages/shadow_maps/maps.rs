@@ -110,11 +110,6 @@ impl Maps {
     pub fn bind_pass<'a>(&'a self, layer: usize, bindings: &mut Bindings<'a>) {
         let size = std::num::NonZeroU64::new(size_of::<ShadowView>() as u64)
             .unwrap_or(std::num::NonZeroU64::MIN);
-        bindings.slice(
-            "shadow_view",
-            &self.pass_views,
-            layer as u64 * STRIDE,
-            size,
-        );
+        bindings.slice("shadow_view", &self.pass_views, layer as u64 * STRIDE, size);
     }
 }

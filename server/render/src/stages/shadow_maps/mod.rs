@@ -18,8 +18,8 @@ use crate::engine::{
 };
 use crate::error::RenderError;
 use crate::frame::{
-    Filled, FramePlan, Kept, KeptKind, NewPass, Parts, Pass, PassId, PipelineList, PlanInput, PlannedPass,
-    Preparation, Programs,
+    Filled, FramePlan, Kept, KeptKind, NewPass, Parts, Pass, PassId, PipelineList, PlanInput,
+    PlannedPass, Preparation, Programs,
 };
 use crate::gpu_scene::{DrawClass, Origin, VERTEX_LAYOUT};
 use maps::Maps;

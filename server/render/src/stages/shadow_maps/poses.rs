@@ -175,4 +175,3 @@ pub(super) fn clip_from_relative(pose: &Pose, origin: DVec3) -> [[f32; 4]; 4] {
     };
     columns(rows)
 }
-

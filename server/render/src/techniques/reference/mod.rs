@@ -60,7 +60,10 @@ impl Technique for Reference {
             (surfaces::GBUFFER, "paths start at the camera"),
             (surfaces::SHADE, "paths light surfaces"),
             (light_volume::PASS, "paths track through grids"),
-            (PassId("single_scattering"), "paths scatter any number of times"),
+            (
+                PassId("single_scattering"),
+                "paths scatter any number of times",
+            ),
             (PassId("gather"), "paths are not interleaved"),
             (area_lights::PASS, "paths find area lights"),
         ] {

@@ -6,7 +6,9 @@ use tyndall_shaders::types::{self, PathRules};
 
 use crate::engine::{Bytes, Permutation, Recording, ResourceSpec, Size};
 use crate::error::RenderError;
-use crate::frame::{FramePlan, NewPass, Parts, Pass, PassId, PlanInput, PlannedPass, Programs, Traces};
+use crate::frame::{
+    FramePlan, NewPass, Parts, Pass, PassId, PlanInput, PlannedPass, Programs, Traces,
+};
 use crate::picture::When;
 use crate::stages::film::FILM;
 

@@ -2,9 +2,7 @@
 //! neither restores.
 
 use super::march::March;
-use crate::engine::{
-    Access, Bytes, Extent, Permutation, Recording, ResourceSpec, Size,
-};
+use crate::engine::{Access, Bytes, Extent, Permutation, Recording, ResourceSpec, Size};
 use crate::error::RenderError;
 use crate::frame::{Parts, Pass, PassId, PipelineList, PlannedPass};
 use crate::stages::surfaces::SURFACE_RADIANCE;
@@ -19,8 +17,7 @@ const REJECTED: &str = "rejected_pixels";
 const MARCHED: ResourceSpec =
     ResourceSpec::texture("marched_radiance", wgpu::TextureFormat::Rgba32Float);
 /// Interleaved strata brought together along the rows, and along both axes.
-const ROWS: ResourceSpec =
-    ResourceSpec::texture("gathered_rows", wgpu::TextureFormat::Rgba32Float);
+const ROWS: ResourceSpec = ResourceSpec::texture("gathered_rows", wgpu::TextureFormat::Rgba32Float);
 const GATHERED: ResourceSpec =
     ResourceSpec::texture("gathered_radiance", wgpu::TextureFormat::Rgba32Float);
 /// See `low_resolution/pixel_list.wesl`: four words, then up to one a pixel.
@@ -66,11 +63,7 @@ impl Shared {
 
     /// What the gathering reads and writes beside depth and in-scatter.
     pub fn accesses(self) -> Vec<Access> {
-        let mut accesses = vec![
-            SURFACE_RADIANCE.read(),
-            LIST.written(),
-            LIST.counted(),
-        ];
+        let mut accesses = vec![SURFACE_RADIANCE.read(), LIST.written(), LIST.counted()];
         let marched = self.marched();
         if self.interleaved {
             let (rows, gathered) = (self.sized(ROWS), self.sized(GATHERED));

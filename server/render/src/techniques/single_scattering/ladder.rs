@@ -14,11 +14,7 @@ pub(super) fn rungs(quick: bool) -> Vec<Rung> {
     let (steps, samples, corrected): (&[u32], &[u32], &[u32]) = if quick {
         (&[8, 32], &[1, 4, 16], &[1, 4, 16])
     } else {
-        (
-            &[8, 16, 32, 64, 128],
-            &[1, 4, 16, 64],
-            &[1, 4, 16, 64, 256],
-        )
+        (&[8, 16, 32, 64, 128], &[1, 4, 16, 64], &[1, 4, 16, 64, 256])
     };
     let rung = |variant, steps, samples, corrected| Rung {
         technique: Technique::SingleScattering,

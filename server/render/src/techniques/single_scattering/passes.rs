@@ -68,25 +68,23 @@ pub(super) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer>
                 jitter: march.jitter.into(),
             },
         )
-        .accesses([
-            depth(facts).read(),
-            marched.written_as("marched_radiance"),
-        ]),
+        .accesses([depth(facts).read(), marched.written_as("marched_radiance")]),
         march.reason(input),
     );
     if let Some(shared) = shared {
         let listed = features(Permutation::of("single_scattering").with("list"));
         let restoring = Permutation::of("gather")
-            .with(if march.spacing > 1 { "spread" } else { "reject" })
+            .with(if march.spacing > 1 {
+                "spread"
+            } else {
+                "reject"
+            })
             .with_if(march.spacing > 1 && facts.grids > 0, "grids");
         plan.run(
             NewPass::new(
                 gather::PASS,
                 Programs::One(listed),
-                Gather {
-                    shared,
-                    restoring,
-                },
+                Gather { shared, restoring },
             )
             .constants(march.constants())
             .listed_iterations(march.full_iterations(input))
