@@ -384,6 +384,10 @@ albedo?: Rgb,
  */
 g: number, 
 /**
+ * Phase function, instead of `g`.
+ */
+phase?: PhaseDescription, 
+/**
  * Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
  */
 emission: Rgb, 
@@ -438,6 +442,10 @@ albedo?: Rgb,
  */
 g: number, 
 /**
+ * Phase function, instead of `g`.
+ */
+phase?: PhaseDescription, 
+/**
  * Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
  */
 emission: Rgb, 
@@ -488,6 +496,15 @@ height: number,
 resume?: string | null, };
 
 /**
+ * One lobe.
+ */
+export type HenyeyGreensteinPhase = { 
+/**
+ * Mean cosine, +1 forward. Range: −0.999 to 0.999.
+ */
+g: number, };
+
+/**
  * Equal everywhere inside its bounds, or in all of space.
  */
 export type HomogeneousMedium = { 
@@ -518,6 +535,10 @@ albedo?: Rgb,
  * Henyey–Greenstein mean cosine, +1 forward. Range: −0.999 to 0.999.
  */
 g: number, 
+/**
+ * Phase function, instead of `g`.
+ */
+phase?: PhaseDescription, 
 /**
  * Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
  */
@@ -617,6 +638,15 @@ transform?: Transform,
 keyframes?: Array<TransformKeyframe>, };
 
 /**
+ * Something that the user may wonder about.
+ */
+export type Notice = { 
+/**
+ * One sentence for people.
+ */
+message: string, };
+
+/**
  * A Wavefront OBJ file.
  */
 export type ObjGeometry = { 
@@ -662,6 +692,11 @@ name: string,
  * Unit: µs.
  */
 micros: number, };
+
+/**
+ * `phase` of a medium: into which directions it scatters.
+ */
+export type PhaseDescription = { "kind": "henyey_greenstein" } & HenyeyGreensteinPhase | { "kind": "two_lobes" } & TwoLobesPhase;
 
 /**
  * Passes that run and passes that don't.
@@ -793,6 +828,10 @@ albedo?: Rgb,
  * Henyey–Greenstein mean cosine, +1 forward. Range: −0.999 to 0.999.
  */
 g: number, 
+/**
+ * Phase function, instead of `g`.
+ */
+phase?: PhaseDescription, 
 /**
  * Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
  */
@@ -1059,7 +1098,7 @@ clock?: ClockState, };
 /**
  * What the server says.
  */
-export type ServerMessage = { "type": "welcome" } & Welcome | { "type": "scene" } & SceneMessage | { "type": "plan" } & PlanMessage | { "type": "stats" } & Stats | { "type": "error" } & ErrorMessage;
+export type ServerMessage = { "type": "welcome" } & Welcome | { "type": "scene" } & SceneMessage | { "type": "plan" } & PlanMessage | { "type": "stats" } & Stats | { "type": "notice" } & Notice | { "type": "error" } & ErrorMessage;
 
 /**
  * Method of visibility.
@@ -1167,6 +1206,10 @@ albedo?: Rgb,
  * Henyey–Greenstein mean cosine, +1 forward. Range: −0.999 to 0.999.
  */
 g: number, 
+/**
+ * Phase function, instead of `g`.
+ */
+phase?: PhaseDescription, 
 /**
  * Emitted radiance per metre at density 1. Unit: W·m⁻³·sr⁻¹. Range: 0 to 1e9.
  */
@@ -1364,6 +1407,23 @@ time_seconds: number,
  * along the shortest arc. No factor of the scale changes its sign from one to the next.
  */
 transform: Transform, };
+
+/**
+ * Two lobes.
+ */
+export type TwoLobesPhase = { 
+/**
+ * Mean cosine of the forward lobe. Range: −0.999 to 0.999.
+ */
+g_forward: number, 
+/**
+ * Mean cosine of the backward lobe. Range: −0.999 to 0.999.
+ */
+g_backward: number, 
+/**
+ * Share of the light that the forward lobe scatters. Range: 0 to 1.
+ */
+forward_share: number, };
 
 /**
  * Says whether anyone can see the picture.

@@ -8,7 +8,7 @@
     reason = "helpers of tests, too, fail by unwrapping"
 )]
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 use std::path::Path;

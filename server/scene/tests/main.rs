@@ -5,6 +5,7 @@ mod build;
 mod environments;
 mod gltf_files;
 mod grids;
+mod guide;
 mod hostile;
 mod presets;
 mod schema;

@@ -1,14 +1,12 @@
 //! A device that is lost, frames that cannot be read, pictures that must wait or are too large: what the
 //! render thread makes of them, with a renderer that breaks as the test says.
 
-mod support;
-
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use crate::support::fake::BYTES_A_PIXEL;
+use crate::support::{Client, Server, camera, frames, hello, scene, start};
 use serde_json::{Value, json};
-use support::fake::BYTES_A_PIXEL;
-use support::{Client, Server, camera, frames, hello, scene, start};
 
 const ENDLESS: u32 = 60_000;
 /// Long enough for many frames of 2 ms.

@@ -2,6 +2,7 @@
 //! threads of its process.
 
 mod clock;
+mod faults;
 mod http;
 mod lavapipe;
 mod stream;
