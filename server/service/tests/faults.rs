@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use crate::support::fake::BYTES_A_PIXEL;
-use crate::support::{Client, Server, camera, frames, hello, scene, start};
+use crate::support::{self, Client, Server, camera, frames, hello, scene, start};
 use serde_json::{Value, json};
 
 const ENDLESS: u32 = 60_000;
