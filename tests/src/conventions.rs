@@ -1,11 +1,12 @@
 //! The conventions of `CONTRIBUTING.md` that a program can check.
 //!
 //! `source` lists the repository's files and blanks what is not code, `text` holds the checks that
-//! look at one file, `layout`, `imports` and `test_files` those that look across files. Every check is a pure function from
+//! look at one file, `layout`, `imports`, `recipes` and `test_files` those that look across files. Every check is a pure function from
 //! files to [`Finding`]s, so that the tests can plant a violation and see it found.
 
 pub mod imports;
 pub mod layout;
+pub mod recipes;
 pub mod source;
 pub mod test_files;
 pub mod text;

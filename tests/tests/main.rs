@@ -6,6 +6,7 @@ mod animation;
 mod area_lights;
 mod conventions;
 mod conventions_names;
+mod conventions_recipes;
 mod conventions_test_files;
 mod correction;
 mod engine;

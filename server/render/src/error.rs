@@ -86,7 +86,7 @@ pub enum RenderError {
     FailedFrame(#[from] FailedFrame),
     /// The scene uses something that is not rendered yet.
     #[error(transparent)]
-    NotRenderedYet(#[from] crate::supported::NotRenderedYet),
+    NotRenderedYet(#[from] NotRenderedYet),
     /// A shader or one of its bindings is missing: a mistake in the program.
     #[error("shader {shader}: {what}")]
     Shader {
@@ -111,4 +111,21 @@ pub struct FailedFrame {
     pub tag: u64,
     /// What went wrong.
     pub reason: String,
+}
+
+/// The fields of a scene that are valid but not rendered yet.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("not rendered yet: {}", fields.join("; "))]
+pub struct NotRenderedYet {
+    /// JSON paths with a remark each.
+    pub fields: Vec<String>,
+}
+
+impl NotRenderedYet {
+    /// A technique that is not rendered yet.
+    pub(crate) fn technique(technique: tyndall_scene::Technique) -> Self {
+        Self {
+            fields: vec![format!("render.technique: {}", technique.name())],
+        }
+    }
 }

@@ -28,12 +28,12 @@ pub use engine::{
     AdapterKind, AdapterSummary, Device, DeviceOptions, FinishedFrame, FrameStats, MemoryBudget,
     PassTime, SelfTest,
 };
-pub use error::{DeviceError, FailedFrame, RenderError};
+pub use error::{DeviceError, FailedFrame, NotRenderedYet, RenderError};
 pub use frame::{FramePlan, PassId, PlanLimits, PlannedPass, SkippedPass};
 pub use plan::plan;
 pub use prepare::Prepared;
 pub use renderer::{RenderOutcome, Renderer};
 pub use still::{Still, StillProgress};
-pub use supported::{NotRenderedYet, approximations, check_supported};
+pub use supported::{approximations, check_supported};
 pub use techniques::{Claim, Paths, Rung, claim, ladder};
 pub use view::View;

@@ -4,10 +4,10 @@
 use tyndall_scene::{RenderSettings, SceneFacts};
 
 use crate::correction;
+use crate::error::NotRenderedYet;
 use crate::frame::{FramePlan, PlanInput, PlanLimits};
 use crate::stages::film::FILM;
 use crate::stages::{estimate, tonemap};
-use crate::supported::NotRenderedYet;
 use crate::techniques;
 use crate::techniques::reference::paths;
 

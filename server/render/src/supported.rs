@@ -1,25 +1,9 @@
 //! What a scene may ask for that is not rendered yet: refused by name, never ignored.
 
-use tyndall_scene::{CorrectionMode, Scene, StopRule, Technique};
+use tyndall_scene::{CorrectionMode, Scene, StopRule};
 
+use crate::error::NotRenderedYet;
 use crate::techniques;
-
-/// The fields of a scene that are valid but not rendered yet.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("not rendered yet: {}", fields.join("; "))]
-pub struct NotRenderedYet {
-    /// JSON paths with a remark each.
-    pub fields: Vec<String>,
-}
-
-impl NotRenderedYet {
-    /// A technique that is not rendered yet.
-    pub(crate) fn technique(technique: Technique) -> Self {
-        Self {
-            fields: vec![format!("render.technique: {}", technique.name())],
-        }
-    }
-}
 
 /// Refuses what no pass renders.
 pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {

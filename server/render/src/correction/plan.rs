@@ -3,8 +3,9 @@
 use tyndall_scene::{CorrectionMode, RenderSettings, SceneFacts, StopRule};
 use tyndall_shaders::types::{HISTORY_TILE, TileChange};
 
+use super::levels::Correct;
 use super::pyramid::cells;
-use super::{Correct, Correction};
+use super::state::Correction;
 use crate::engine::{Access, Bytes, Permutation, ResourceSpec};
 use crate::frame::{FramePlan, KeptKind, NewPass, PassId, PlanInput, PlanLimits, Programs};
 use crate::picture::When;
@@ -17,7 +18,7 @@ use crate::techniques::reference::paths::{EVEN_MEANS, MOMENTS, TRACED_FILM};
 pub(crate) const PASS: PassId = PassId("correction");
 
 /// Two halves of four f32 a cell.
-pub(super) const RESIDUAL_BYTES: u64 = 32;
+const RESIDUAL_BYTES: u64 = 32;
 
 /// Residuals of all levels; what they were in the last picture, where they are carried over.
 const RESIDUALS: ResourceSpec = ResourceSpec::buffer(
@@ -53,6 +54,11 @@ const fn per_cell(name: &'static str) -> ResourceSpec {
 const fn per_tile(name: &'static str, bytes: u64) -> ResourceSpec {
     let side = HISTORY_TILE;
     ResourceSpec::buffer(name, Bytes::PerTile { side, bytes })
+}
+
+/// Bytes of the largest buffer that a picture of this size needs.
+pub(crate) fn largest_buffer(size: [u32; 2]) -> u64 {
+    RESIDUAL_BYTES * cells(size)
 }
 
 /// Why nothing is corrected, if so; `traced` for a technique whose own samples are the traced ones.

@@ -11,6 +11,7 @@ mod bands;
 mod bindings;
 mod constants;
 mod device;
+mod memory;
 mod open;
 mod permutation;
 mod pipelines;

@@ -4,6 +4,7 @@
 //! keeps from frame to frame ([`PlannedPass`]); it records it by a [`Pass`], most often a plain
 //! [`Dispatch`]. This folder knows none of them by name.
 
+mod dispatch;
 mod input;
 mod kept;
 mod parts;
@@ -11,11 +12,12 @@ mod pass;
 mod plan;
 mod record;
 
+pub(crate) use dispatch::{Dispatch, MadeBefore, Reach};
 pub(crate) use input::PlanInput;
 pub use input::PlanLimits;
 pub(crate) use kept::{Filled, Kept, KeptKind, KeptStates, Preparation};
 pub(crate) use parts::Parts;
-pub(crate) use pass::{Dispatch, MadeBefore, Pass, PipelineList, Reach};
-pub use plan::{FramePlan, PassId, PlannedPass, SkippedPass};
-pub(crate) use plan::{NewPass, Programs, Traces};
+pub(crate) use pass::{NewPass, Pass, PipelineList, Programs, Traces};
+pub use pass::{PassId, PlannedPass};
+pub use plan::{FramePlan, SkippedPass};
 pub(crate) use record::record;

@@ -1,9 +1,8 @@
 //! What the passes of a frame use of their view.
 
-use crate::engine::{AccessKind, Bindings, Constants, ResourceSpec, ViewResources};
+use super::kept::KeptStates;
+use crate::engine::{Access, AccessKind, Bindings, Constants, ResourceSpec, ViewResources};
 use crate::error::RenderError;
-use crate::frame::kept::KeptStates;
-use crate::frame::plan::PlannedPass;
 use crate::gpu_scene::{GpuAssets, Inputs};
 use crate::picture::Share;
 
@@ -25,11 +24,6 @@ impl<'a> Parts<'a> {
         self.resources.size
     }
 
-    /// The constants that the pipelines of `planned` are built for.
-    pub fn constants_of(&self, planned: &PlannedPass) -> Constants {
-        self.constants.with(&planned.constants)
-    }
-
     /// A buffer that a pass declares, for what is not a binding.
     pub fn buffer(&self, spec: &ResourceSpec) -> Result<&'a wgpu::Buffer, RenderError> {
         let found = self.resources.buffer(spec.name);
@@ -39,11 +33,11 @@ impl<'a> Parts<'a> {
         })
     }
 
-    /// Everything that `planned` may name in its shaders: the scene, what is kept, and the resources
-    /// that it declares.
-    pub fn bindings(&self, planned: &PlannedPass) -> Result<Bindings<'a>, RenderError> {
+    /// Everything that the shaders of a pass may name: the scene, what is kept, and the resources that it
+    /// declares.
+    pub fn bind(&self, accesses: &[Access]) -> Result<Bindings<'a>, RenderError> {
         let mut bindings = Bindings::default();
-        for access in &planned.accesses {
+        for access in accesses {
             let name = access.resource.name;
             let level = (access.kind == AccessKind::Write)
                 .then(|| self.resources.level(name, 0))
@@ -59,7 +53,7 @@ impl<'a> Parts<'a> {
                 bindings.texture(access.variable, view);
             } else {
                 return Err(RenderError::Shader {
-                    shader: planned.pass.name().to_owned(),
+                    shader: access.variable.to_owned(),
                     what: format!("no resource is called {name}"),
                 });
             }

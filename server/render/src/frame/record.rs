@@ -1,7 +1,8 @@
 //! Records a frame: the passes of the plan that it includes, in order.
 
 use super::parts::Parts;
-use super::plan::{FramePlan, PlannedPass};
+use super::pass::PlannedPass;
+use super::plan::FramePlan;
 use crate::engine::{AccessKind, Life, Recording};
 use crate::error::RenderError;
 

@@ -50,8 +50,8 @@ impl Pass for TilesThenTotal {
         recording: &mut Recording<'_>,
         parts: &Parts<'_>,
     ) -> Result<(), RenderError> {
-        let constants = parts.constants_of(planned);
-        let bindings = parts.bindings(planned)?;
+        let constants = planned.constants(parts);
+        let bindings = planned.bindings(parts)?;
         let tiles = Size::from(parts.size());
         recording.compute(PASS.name(), planned.program(), &constants, &bindings, tiles)?;
         let total = Size::from([1, 1]);

@@ -173,7 +173,7 @@ impl Pass for Fill {
             PASS.name(),
             PASS.name(),
             parts.constants,
-            &parts.bindings(planned)?,
+            &planned.bindings(parts)?,
             ([size.x, size.y, size.z * lights], planned.iterations),
         )?;
         contents.filled.set(Filled::Recorded);

@@ -202,7 +202,7 @@ impl Pass for DrawSurfaces {
                 geometry: Some((&geometry.vertices, &geometry.indices)),
                 draws: &draws,
             },
-            &parts.bindings(planned)?,
+            &planned.bindings(parts)?,
         )
     }
 }

@@ -132,8 +132,8 @@ impl Pass for TraceSlice {
         recording.compute(
             PASS.name(),
             planned.program(),
-            &parts.constants_of(planned),
-            &parts.bindings(planned)?,
+            &planned.constants(parts),
+            &planned.bindings(parts)?,
             Size::from(slice.invocations(parts.size()[0])),
         )
     }

@@ -106,8 +106,8 @@ impl Pass for Gather {
         recording: &mut Recording<'_>,
         parts: &Parts<'_>,
     ) -> Result<(), RenderError> {
-        let bindings = parts.bindings(planned)?;
-        let constants = parts.constants_of(planned);
+        let bindings = planned.bindings(parts)?;
+        let constants = planned.constants(parts);
         let list = parts.buffer(&LIST)?;
         let empty = parts.buffer(&EMPTY)?;
         recording
