@@ -5,6 +5,7 @@
 mod animation;
 mod area_lights;
 mod conventions;
+mod conventions_imports;
 mod conventions_names;
 mod conventions_recipes;
 mod conventions_test_files;

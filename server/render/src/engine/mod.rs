@@ -29,7 +29,7 @@ pub(crate) use bindings::Bindings;
 pub(crate) use constants::Constants;
 pub use device::{Device, SelfTest};
 pub(crate) use permutation::Permutation;
-pub(crate) use pipelines::Pipelines;
+pub(crate) use pipelines::{Pipelines, find};
 pub use pool::MemoryBudget;
 pub(crate) use pool::{Pool, ViewResources};
 pub(crate) use raster::{

@@ -301,7 +301,8 @@ impl RasterProgram {
     }
 }
 
-fn find(name: &str) -> Result<&'static Shader, RenderError> {
+/// The product's shader that its list calls `name`.
+pub(crate) fn find(name: &str) -> Result<&'static Shader, RenderError> {
     tyndall_shaders::shader(name).ok_or_else(|| RenderError::Shader {
         shader: name.to_owned(),
         what: "in no permutations.txt".into(),

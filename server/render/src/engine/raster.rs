@@ -1,5 +1,7 @@
 //! What a raster pass draws, with which state, into what.
 
+use tyndall_shaders::Shader;
+
 /// State that a raster pipeline is built for, beside its shader.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RasterState {
@@ -97,8 +99,7 @@ pub(crate) struct RasterPass<'a> {
 /// One draw.
 #[derive(Debug)]
 pub(crate) struct RasterDraw<'a> {
-    /// Name of the permutation.
-    pub program: &'a str,
+    pub shader: &'static Shader,
     pub call: DrawCall<'a>,
 }
 

@@ -219,13 +219,13 @@ impl<'a> Recording<'a> {
         let mut current = None;
         for draw in raster.draws {
             // Draws are sorted by class, so pipelines change a few times a pass.
-            if current != Some(draw.program) {
+            if current != Some(draw.shader.name) {
                 let program = self
                     .pipelines
-                    .raster(self.device, draw.program, raster.state)?;
+                    .raster_of(self.device, draw.shader, raster.state)?;
                 let groups = program.bind(self.device, bindings)?;
                 program.set(&mut pass, &groups);
-                current = Some(draw.program);
+                current = Some(draw.shader.name);
             }
             match &draw.call {
                 DrawCall::Indexed {

@@ -11,7 +11,7 @@ use obvhs::ray::{Ray, RayHit};
 use obvhs::triangle::Triangle;
 use tyndall_scene::{Geometry, Instance, Material, Mesh};
 
-use super::geometry::{buffer, check};
+use super::upload::{buffer, check};
 use crate::engine::Device;
 use crate::error::RenderError;
 

@@ -2,7 +2,7 @@
 
 use tyndall_scene::{EnvironmentDistribution, EnvironmentMap, Scene};
 
-use super::geometry::{buffer, check};
+use super::upload::{buffer, check};
 use crate::engine::{Bindings, Device};
 use crate::error::RenderError;
 

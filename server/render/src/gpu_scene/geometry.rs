@@ -3,8 +3,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use tyndall_scene::{Geometry, SharedGeometry};
-use wgpu::util::DeviceExt as _;
 
+use super::upload::{buffer, check};
 use super::{TextureArrays, TextureKind, materials};
 use crate::engine::{Bindings, Device, DrawCall};
 use crate::error::RenderError;
@@ -160,39 +160,6 @@ impl GpuGeometry {
                 .sampler("texture_sampler", &textures.sampler);
         }
     }
-}
-
-/// Refuses `needed` above `allowed`.
-pub(super) fn check(what: &'static str, needed: u64, allowed: u64) -> Result<(), RenderError> {
-    if needed > allowed {
-        return Err(RenderError::TooLarge {
-            what,
-            needed,
-            allowed,
-        });
-    }
-    Ok(())
-}
-
-/// A filled buffer; an empty one gets one zeroed word, since the API has no empty bindings.
-pub(super) fn buffer(
-    device: &Device,
-    label: &str,
-    contents: &[u8],
-    usage: wgpu::BufferUsages,
-) -> wgpu::Buffer {
-    let filler = [0_u8; 16];
-    device
-        .device
-        .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some(label),
-            contents: if contents.is_empty() {
-                &filler
-            } else {
-                contents
-            },
-            usage,
-        })
 }
 
 fn class_of(source: &Geometry, mesh: usize) -> DrawClass {

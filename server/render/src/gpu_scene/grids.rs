@@ -5,7 +5,7 @@ use tyndall_shaders::types;
 use tyndall_volume::{AtlasLimits, BRICK_SIDE, BrickAtlas};
 
 use super::Origin;
-use super::geometry::{buffer, check};
+use super::upload::{buffer, check};
 use crate::engine::{Bindings, Device};
 use crate::error::RenderError;
 

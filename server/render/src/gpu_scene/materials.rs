@@ -4,7 +4,7 @@ use tyndall_scene::{Geometry, Material, TextureRef, Wrap};
 use tyndall_shaders::types::{self, NO_TEXTURE, TextureSlot};
 
 use super::TextureArrays;
-use super::geometry::buffer;
+use super::upload::buffer;
 use crate::engine::Device;
 
 pub(super) fn upload(

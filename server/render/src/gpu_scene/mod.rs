@@ -12,6 +12,7 @@ mod materials;
 mod placement;
 mod textures;
 mod triangles;
+mod upload;
 mod values;
 
 pub(crate) use assets::{AssetCache, GpuAssets};

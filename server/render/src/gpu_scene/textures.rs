@@ -5,7 +5,7 @@
 
 use tyndall_scene::{Geometry, Material, Texture, TextureRef};
 
-use super::geometry::check;
+use super::upload::check;
 use crate::engine::Device;
 use crate::error::RenderError;
 

@@ -6,7 +6,7 @@ use tyndall_scene::Geometry;
 use tyndall_shaders::types::{Emitter, TriangleSurface};
 
 use super::bvh::{Corners, GpuBvh, corners, world_triangles};
-use super::geometry::{buffer, check};
+use super::upload::{buffer, check};
 use crate::engine::Device;
 use crate::error::RenderError;
 

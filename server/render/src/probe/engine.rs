@@ -40,13 +40,7 @@ pub fn added_levels(
     let pipelines = Pipelines::default();
     let timing = Timing::new(device);
     let mut recording = Recording::new(device, &pipelines, &timing);
-    let state = RasterState {
-        vertices: None,
-        topology: wgpu::PrimitiveTopology::TriangleList,
-        colors: vec![ColorTarget::added(FORMAT)],
-        depth: None,
-    };
-    pipelines.raster_of(device, shader, &state)?;
+    let state = added_state();
     let direct = DrawCall::Vertices {
         vertices: 0..3,
         instances: 0..instances,
@@ -61,10 +55,7 @@ pub fn added_levels(
                 colors: &[attachment],
                 depth: None,
                 geometry: None,
-                draws: &[RasterDraw {
-                    program: shader.name,
-                    call,
-                }],
+                draws: &[RasterDraw { shader, call }],
             },
             &Bindings::default(),
         )?;
@@ -74,6 +65,16 @@ pub fn added_levels(
         read_level(device, level(0)?, (0, SIDE))?,
         read_level(device, level(1)?, (1, SIDE / 2))?,
     ])
+}
+
+/// State of draws without geometry that add up.
+pub(super) fn added_state() -> RasterState {
+    RasterState {
+        vertices: None,
+        topology: wgpu::PrimitiveTopology::TriangleList,
+        colors: vec![ColorTarget::added(FORMAT)],
+        depth: None,
+    }
 }
 
 /// Bytes that the pool says a view needs with the texture, its levels and a volume.

@@ -91,11 +91,18 @@ pub fn run_for(
     read_now(device, &staging)
 }
 
-/// Builds the pipeline of a compute shader, of whatever table.
+/// Builds the pipeline of a shader, of whatever table.
 pub fn build(device: &Device, shader: &'static Shader) -> Result<(), RenderError> {
-    Pipelines::default()
-        .compute_of(device, shader, &Constants::default())
-        .map(|_| ())
+    let pipelines = Pipelines::default();
+    if shader.has(Stage::Compute) {
+        pipelines
+            .compute_of(device, shader, &Constants::default())
+            .map(|_| ())
+    } else {
+        pipelines
+            .raster_of(device, shader, &engine::added_state())
+            .map(|_| ())
+    }
 }
 
 /// Builds the pipeline of every permutation; returns the names of those that fail, with the reason.

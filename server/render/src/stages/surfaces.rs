@@ -7,7 +7,7 @@ use tyndall_scene::{Scene, SceneFacts};
 
 use crate::engine::{
     ColorTarget, DepthTarget, Permutation, RasterDraw, RasterPass, RasterState, Recording,
-    ResourceSpec, cleared,
+    ResourceSpec, cleared, find,
 };
 use crate::error::RenderError;
 use crate::frame::{
@@ -177,13 +177,14 @@ impl Pass for DrawSurfaces {
         parts: &Parts<'_>,
     ) -> Result<(), RenderError> {
         let geometry = &parts.assets.geometry;
+        let (opaque, discarding) = (find(&self.opaque)?, find(&self.discarding)?);
         let draws: Vec<_> = geometry
             .draws
             .iter()
             .map(|draw| RasterDraw {
-                program: match draw.class {
-                    DrawClass::Opaque => &self.opaque,
-                    DrawClass::SingleSided | DrawClass::Masked => &self.discarding,
+                shader: match draw.class {
+                    DrawClass::Opaque => opaque,
+                    DrawClass::SingleSided | DrawClass::Masked => discarding,
                 },
                 call: draw.call(),
             })

@@ -14,7 +14,7 @@ use tyndall_scene::{Aabb, ChangeSet, Geometry, Scene};
 use tyndall_shaders::types::ShadowView;
 
 use crate::engine::{
-    Bindings, DepthTarget, Device, RasterDraw, RasterPass, RasterState, Recording, cleared,
+    Bindings, DepthTarget, Device, RasterDraw, RasterPass, RasterState, Recording, cleared, find,
 };
 use crate::error::RenderError;
 use crate::frame::{
@@ -223,13 +223,14 @@ impl Pass for RenderMaps {
             return Ok(());
         };
         let geometry = &parts.assets.geometry;
+        let (opaque, masked) = (find(OPAQUE)?, find(MASKED)?);
         let draws: Vec<_> = geometry
             .draws
             .iter()
             .map(|draw| RasterDraw {
-                program: match draw.class {
-                    DrawClass::Masked if geometry.textures.is_some() => MASKED,
-                    _ => OPAQUE,
+                shader: match draw.class {
+                    DrawClass::Masked if geometry.textures.is_some() => masked,
+                    _ => opaque,
                 },
                 call: draw.call(),
             })

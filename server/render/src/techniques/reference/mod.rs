@@ -13,7 +13,8 @@ pub(crate) mod paths;
 
 use tyndall_scene::{RenderSettings, Scene, SceneFacts};
 
-use super::{Claim, Paths, Rung, Technique};
+use super::technique::Technique;
+use super::{Claim, Paths, Rung};
 use crate::frame::{FramePlan, PassId, PlanInput, PlanLimits};
 use crate::stages::{area_lights, film, light_volume, shadow_maps, surfaces, visibility};
 

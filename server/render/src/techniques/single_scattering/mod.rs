@@ -17,7 +17,8 @@ mod passes;
 
 use tyndall_scene::{Scene, ShadowMode};
 
-use super::{Claim, Paths, Rung, Technique};
+use super::technique::Technique;
+use super::{Claim, Paths, Rung};
 use crate::frame::{FramePlan, PlanInput};
 use crate::stages::{area_lights, film, light_volume, surfaces, visibility};
 
