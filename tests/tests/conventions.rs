@@ -387,7 +387,7 @@ fn every_path_in_the_documents_exists() {
     let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
     let documents: Vec<&Source> = sources
         .iter()
-        .filter(|source| source.path.ends_with(".md"))
+        .filter(|source| source.extension() == "md")
         .collect();
     assert!(documents.len() > 5);
     let findings: Vec<Finding> = documents

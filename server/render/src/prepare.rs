@@ -1,10 +1,10 @@
 //! Makes what a scene needs on the device before a view takes it, on another thread: geometry, grids,
 //! BVH and pipelines. The thread that renders goes on with other views meanwhile.
 
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::sync::{Arc, Weak};
 
-use tyndall_scene::Scene;
+use tyndall_scene::{ChangeSet, Scene};
 
 use crate::engine::{Constants, Device, Pipelines};
 use crate::error::RenderError;
@@ -15,6 +15,9 @@ use crate::view::{constants, need_geometry};
 
 /// Scenes that are prepared at the same time, and that wait for a view to take them.
 const MOST_JOBS: usize = 4;
+
+/// Scenes that are remembered as ready, about one a session.
+const MOST_READY: usize = 16;
 
 /// Whether a view can take a scene at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,6 +40,8 @@ pub(crate) struct Shared {
 #[derive(Debug, Default)]
 pub(crate) struct Preparations {
     jobs: Vec<Job>,
+    /// Scenes that had everything when they were asked about last.
+    ready: Vec<Weak<Scene>>,
 }
 
 #[derive(Debug)]
@@ -62,10 +67,16 @@ impl Preparations {
                 State::Done(_) => Prepared::Ready,
             };
         }
+        if self.is_seen_anew(scene) {
+            return Prepared::Ready;
+        }
         let Ok(plan) = plan(&tyndall_scene::facts(scene), &scene.render, &limits) else {
             return Prepared::Ready;
         };
         if shared.has(scene, &plan) {
+            self.ready.retain(|known| known.strong_count() > 0);
+            self.ready.truncate(MOST_READY - 1);
+            self.ready.insert(0, Arc::downgrade(scene));
             return Prepared::Ready;
         }
         self.make_room();
@@ -82,6 +93,21 @@ impl Preparations {
             }
             // Without another thread the view makes it all itself.
             None => Prepared::Ready,
+        }
+    }
+
+    /// Whether a scene is one that was ready, seen from elsewhere: it needs nothing more.
+    fn is_seen_anew(&mut self, scene: &Arc<Scene>) -> bool {
+        let alike = ChangeSet::CAMERA | ChangeSet::DISPLAY | ChangeSet::STOP;
+        let found = self.ready.iter_mut().find(|known| {
+            let known = known.upgrade();
+            known.is_some_and(|known| alike.contains(ChangeSet::between(&known, scene)))
+        });
+        if let Some(known) = found {
+            *known = Arc::downgrade(scene);
+            true
+        } else {
+            false
         }
     }
 

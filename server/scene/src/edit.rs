@@ -90,11 +90,11 @@ pub fn apply_edit(
 pub fn steer(
     description: &mut Arc<SceneDescription>,
     scene: &mut Arc<Scene>,
-    camera: CameraDescription,
+    camera: &CameraDescription,
 ) -> Result<(), SceneError> {
     let camera = CameraDescription {
         keyframes: Vec::new(),
-        ..camera
+        ..camera.clone()
     };
     validate::camera(&camera)?;
     let scene = Arc::make_mut(scene);

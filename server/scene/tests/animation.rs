@@ -247,7 +247,7 @@ fn a_steered_camera_leaves_its_track_and_nothing_else() {
         let edited = apply_edit(&loaded.description, &before, &edit).unwrap();
         let mut description = Arc::new(loaded.description.clone());
         let mut scene = Arc::new(before);
-        steer(&mut description, &mut scene, camera).unwrap();
+        steer(&mut description, &mut scene, &camera).unwrap();
         assert_eq!((&*description, &*scene), (&edited.0, &edited.1));
         assert_eq!(scene.at(3.0).unwrap().camera, scene.camera);
     }

@@ -233,7 +233,7 @@ impl Session {
             exposure_ev: state.description.camera.exposure_ev,
             keyframes: Vec::new(),
         };
-        steer(&mut state.description, &mut state.wish.scene, camera)?;
+        steer(&mut state.description, &mut state.wish.scene, &camera)?;
         state.version += 1;
         state.clock.adopt(&state.wish.scene);
         state.wish.input = state.wish.input.max(input);

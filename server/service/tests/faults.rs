@@ -35,7 +35,8 @@ async fn told(client: &mut Client, words: &str) -> Value {
     loop {
         let error = client.json("error").await;
         assert_eq!(error["code"], "render_failed", "{error}");
-        if error["message"].as_str().unwrap().contains(words) {
+        let message = error["message"].as_str();
+        if message.is_some_and(|message| message.contains(words)) {
             return error;
         }
     }

@@ -60,7 +60,7 @@ pub fn recipes(document: &Source, sources: &[Source]) -> Vec<Finding> {
             let is_found = |source: &&Source| {
                 source.path == *path || (path.ends_with('/') && source.path.starts_with(path))
             };
-            if !found.iter().any(|source| is_found(source)) {
+            if !found.iter().any(is_found) {
                 let message = format!("{}: nothing of its example is in {path}", recipe.title);
                 findings.push(finding(recipe.line, message));
             }

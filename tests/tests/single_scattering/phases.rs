@@ -63,8 +63,8 @@ fn farthest(still: &Still, expected: impl Fn(usize, usize) -> f64) -> f64 {
     let mean = gpu::mean_rgb(still).iter().sum::<f64>() / 3.0;
     let mut farthest = 0.0_f64;
     for (i, pixel) in still.radiance.iter().enumerate() {
-        for c in 0..3 {
-            farthest = farthest.max((f64::from(pixel[c]) - expected(i, c)).abs() / mean);
+        for (c, channel) in pixel.iter().take(3).enumerate() {
+            farthest = farthest.max((f64::from(*channel) - expected(i, c)).abs() / mean);
         }
     }
     farthest

@@ -235,31 +235,23 @@ fn share_slots(wanted: &mut [Wanted]) -> u64 {
     let mut bytes = 0;
     // Kind, slot, last pass that needs it.
     let mut taken: Vec<(Kind, u32, usize)> = Vec::new();
-    for i in 0..wanted.len() {
-        let Wanted {
-            spec,
-            kind,
-            first,
-            last,
-            ..
-        } = wanted[i];
-        if spec.life == Life::View {
-            bytes += wanted[i].bytes();
+    for wanted in wanted {
+        if wanted.spec.life == Life::View {
+            bytes += wanted.bytes();
             continue;
         }
-        let same = taken.iter_mut().filter(|(known, ..)| *known == kind);
         let mut count = 0;
         let mut free = None;
-        for entry in same {
+        for (_, slot, last) in taken.iter_mut().filter(|(kind, ..)| *kind == wanted.kind) {
             count += 1;
-            if entry.2 < first && free.is_none() {
-                entry.2 = last;
-                free = Some(entry.1);
+            if *last < wanted.first && free.is_none() {
+                *last = wanted.last;
+                free = Some(*slot);
             }
         }
-        wanted[i].slot = free.unwrap_or_else(|| {
-            taken.push((kind, count, last));
-            bytes += kind.bytes();
+        wanted.slot = free.unwrap_or_else(|| {
+            taken.push((wanted.kind, count, wanted.last));
+            bytes += wanted.kind.bytes();
             count
         });
     }

@@ -72,11 +72,12 @@ impl KeptStates {
     ) -> Result<Self, RenderError> {
         let mut states: Vec<Box<dyn Kept>> = Vec::new();
         for kind in kinds {
-            let is_it = |state: &&Box<dyn Kept>| state.as_ref().type_id() == kind.id;
-            if states.iter().any(|state| is_it(&state)) {
+            let is_it = |state: &dyn Kept| state.type_id() == kind.id;
+            if states.iter().any(|state| is_it(state.as_ref())) {
                 continue;
             }
-            states.push(match self.states.iter().find(is_it) {
+            let known = self.states.iter().find(|state| is_it(state.as_ref()));
+            states.push(match known {
                 Some(state) => state.next(preparation)?,
                 None => (kind.new)(preparation.device).next(&Preparation {
                     before: None,

@@ -8,6 +8,9 @@ use super::camera::{SampleValues, frame_values};
 use super::{GpuAssets, Origin, all_medium_values, instance_values, light_values};
 use crate::engine::{Bindings, Device};
 
+/// A light's first shadow view and the side of its texels, by its number, if it casts shadows.
+pub(crate) type ShadowOf<'a> = dyn Fn(usize, &Light) -> Option<(u32, f32)> + 'a;
+
 /// Buffers of one view. Clones share them.
 #[derive(Debug, Clone)]
 pub(crate) struct Inputs {
@@ -93,7 +96,7 @@ impl Inputs {
         device: &Device,
         scene: &Scene,
         assets: &GpuAssets,
-        shadow_of: &dyn Fn(usize, &Light) -> Option<(u32, f32)>,
+        shadow_of: &ShadowOf<'_>,
         sorted: bool,
         changed: ChangeSet,
     ) {

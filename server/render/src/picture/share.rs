@@ -4,6 +4,10 @@ use super::slices::Slice;
 
 /// What of the plan a frame does.
 #[derive(Debug, Clone, Copy)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "independent parts of a frame"
+)]
 pub(crate) struct Share {
     /// Whether anything is added to the picture; otherwise it is only shown again.
     pub adds: bool,

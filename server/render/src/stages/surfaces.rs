@@ -130,7 +130,7 @@ pub(crate) fn plan_shade(plan: &mut FramePlan, input: &PlanInput<'_>) {
     let permutation = input
         .visibility_feature()
         .into_iter()
-        .fold(permutation, |p, feature| p.with(feature))
+        .fold(permutation, Permutation::with)
         .with_if(facts.grids > 0, "grids")
         .with_if(facts.environment_map, "environment_map");
     plan.run(

@@ -42,12 +42,12 @@ pub(super) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer>
         input
             .visibility_feature()
             .into_iter()
-            .fold(permutation, |p, feature| p.with(feature))
+            .fold(permutation, Permutation::with)
             .with_if(facts.grids > 0, "grids")
     };
     let whole = features(Permutation::of("single_scattering"));
     let shared = gather::Shared::of(march);
-    let marched = shared.map_or(IN_SCATTER, |shared| shared.marched());
+    let marched = shared.map_or(IN_SCATTER, gather::Shared::marched);
     plan.run(
         NewPass::new(
             MARCH,
