@@ -425,10 +425,9 @@ mod tests {
 
     #[test]
     fn an_edit_on_another_thread_loses_no_camera() {
-        let session = Arc::new(hall());
-        let editor = std::thread::spawn({
-            let session = Arc::clone(&session);
-            move || {
+        let session = hall();
+        std::thread::scope(|threads| {
+            threads.spawn(|| {
                 for i in 0..100 {
                     let edit = SceneEdit {
                         exposure_ev: Some(f64::from(i) * 0.01),
@@ -437,19 +436,18 @@ mod tests {
                     let edited = session.edit(1, &edit, Instant::now());
                     edited.expect("a valid edit");
                 }
+            });
+            for i in 0..2000 {
+                let steered = session.set_camera(1, pose(f64::from(i) * 1e-3), Instant::now());
+                steered.expect("a valid pose");
+                let at = session.wish().scene.camera.position.x;
+                assert_eq!(
+                    at,
+                    f64::from(i) * 1e-3,
+                    "an edit brought an old camera back"
+                );
             }
         });
-        for i in 0..2000 {
-            let steered = session.set_camera(1, pose(f64::from(i) * 1e-3), Instant::now());
-            steered.expect("a valid pose");
-            let at = session.wish().scene.camera.position.x;
-            assert_eq!(
-                at,
-                f64::from(i) * 1e-3,
-                "an edit brought an old camera back"
-            );
-        }
-        editor.join().expect("the edits went through");
         let exposure = session.scene_message().description.camera.exposure_ev;
         assert_eq!(exposure, 0.99, "a camera brought an old exposure back");
     }
