@@ -144,8 +144,14 @@ fn phase_functions_integrate_to_one_with_their_mean_cosine() {
             mean += f64::from(found) * solid_angle * angle.cos();
         }
         let exact: f64 = lobes(&phase).iter().map(|(share, g)| share * g).sum();
-        assert!((total - 1.0).abs() < 2e-4, "{phase:?}: {total}");
-        assert!((mean - exact).abs() < 2e-4, "{phase:?}: mean cosine {mean}");
+        // Directions in f32 lie up to 6e-8 off: up to 3e-4 of what a lobe of |g| = 0.999 sends there.
+        let narrow = lobes(&phase).iter().any(|(_, g)| g.abs() > 0.9);
+        let error = if narrow { 5e-4 } else { 1e-4 };
+        assert!((total - 1.0).abs() < error, "{phase:?}: {total}");
+        assert!(
+            (mean - exact).abs() < error,
+            "{phase:?}: mean cosine {mean}"
+        );
         assert!((phase.mean_cosine() - exact).abs() < 1e-6, "{phase:?}");
     }
 }

@@ -77,7 +77,7 @@ fn two_lobes_of_one_mean_cosine_are_the_plain_lobe() {
         let both = marched(&two_lobes(0.6, 0.6, 0.3), cloud, &lamps(), 2);
         let farthest = farthest(&both, |i, c| plain.radiance[i][c].into());
         println!("cloud {cloud}: {farthest:.1e}");
-        assert!(farthest < 1e-5, "cloud {cloud}: {farthest}");
+        assert!(farthest < 3e-5, "cloud {cloud}: {farthest}");
     }
 }
 
@@ -95,7 +95,7 @@ fn a_march_through_two_lobes_is_the_weighted_sum_of_marches_through_each() {
         let apart = farthest(&forward, |i, c| backward.radiance[i][c].into());
         let farthest = farthest(&both, sum);
         println!("cloud {cloud}: {farthest:.1e}, the lobes alone {apart:.1e} apart");
-        assert!(farthest < 1e-5, "cloud {cloud}: {farthest}");
+        assert!(farthest < 3e-5, "cloud {cloud}: {farthest}");
         assert!(apart > 0.05, "the lobes make no difference");
     }
 }

@@ -31,7 +31,7 @@ pub use device::{Device, SelfTest};
 pub(crate) use permutation::Permutation;
 pub(crate) use pipelines::{Pipelines, find};
 pub use pool::MemoryBudget;
-pub(crate) use pool::{Pool, ViewResources};
+pub(crate) use pool::{Pool, ViewResources, check_size};
 pub(crate) use raster::{
     ColorTarget, DepthTarget, DrawCall, RasterDraw, RasterPass, RasterState, cleared, kept,
 };

@@ -69,7 +69,8 @@ struct Wanted {
 }
 
 impl Pool {
-    /// Makes what `passes` name, in the order in which they run, for a picture of this size. What
+    /// Makes what `passes` name, in the order in which they run, for a picture of a size that
+    /// [`check_size`] let pass. What
     /// `before` holds of the same kind is kept with what is in it.
     pub fn fit(
         &mut self,
@@ -78,7 +79,6 @@ impl Pool {
         size: [u32; 2],
         before: Option<&ViewResources>,
     ) -> Result<ViewResources, RenderError> {
-        check_size(device, size)?;
         let mut wanted = wanted(passes, size);
         let bytes = share_slots(&mut wanted);
         if bytes > self.budget.per_view {
@@ -187,7 +187,7 @@ impl Pool {
 }
 
 /// Refuses pictures that no pass could write.
-fn check_size(device: &Device, [width, height]: [u32; 2]) -> Result<(), RenderError> {
+pub(crate) fn check_size(device: &Device, [width, height]: [u32; 2]) -> Result<(), RenderError> {
     let limits = device.device.limits();
     let max_side = limits.max_texture_dimension_2d;
     // Every plan has a film of 16 bytes a pixel.

@@ -7,7 +7,9 @@ use std::sync::Arc;
 
 use tyndall_scene::{ChangeSet, Light, Medium, MediumShape, Scene, SceneFacts, ShadowMode};
 
-use crate::engine::{Access, Constants, Device, Pool, ViewResources, most_frame_iterations};
+use crate::engine::{
+    Access, Constants, Device, Pool, ViewResources, check_size, most_frame_iterations,
+};
 use crate::error::RenderError;
 use crate::frame::{FramePlan, KeptKind, KeptStates, PlanLimits, Preparation, Traces};
 use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
@@ -49,6 +51,7 @@ impl Maker<'_> {
         changed: ChangeSet,
     ) -> Result<SceneState, RenderError> {
         let device = self.device;
+        check_size(device, self.size)?;
         let facts = tyndall_scene::facts(&scene);
         let plan = plan(&facts, &scene.render, &self.limits)?;
         check_work(device, &plan, self.size)?;
