@@ -95,9 +95,10 @@ impl Pass for Correct {
             return Ok(());
         };
         let steps = self.steps(correction, parts.share.restarts);
+        let shared = planned.bindings(parts)?;
         let mut links = Vec::with_capacity(steps.len());
         for (program, level, size) in &steps {
-            let mut bindings = planned.bindings(parts)?;
+            let mut bindings = shared.clone();
             bindings.buffer("level", &level.buffer);
             links.push(Link {
                 program,

@@ -37,14 +37,15 @@ pub(super) fn most_groups(kind: AdapterKind, invocations: u32, iterations: u64) 
 /// Parts of at most `most` groups that cover `groups` without overlapping.
 pub(super) fn parts(groups: [u32; 3], most: u32) -> Vec<Part> {
     let [x, y, z] = groups;
-    if u64::from(x) * u64::from(y) * u64::from(z) <= u64::from(most) {
+    let all = u64::from(x) * u64::from(y) * u64::from(z);
+    if all <= u64::from(most) && x.max(y).max(z) <= MOST_ALONG_AN_AXIS {
         return vec![Part {
             first: [0; 3],
             count: groups,
         }];
     }
     let width = x.min(most).min(MOST_ALONG_AN_AXIS);
-    let height = (most / width).clamp(1, y.max(1));
+    let height = (most / width).clamp(1, y.clamp(1, MOST_ALONG_AN_AXIS));
     let mut parts = Vec::new();
     for layer in 0..z {
         for row in (0..y).step_by(height as usize) {
@@ -70,6 +71,7 @@ mod tests {
             [160, 90, 1],
             [7, 5, 3],
             [1000, 1, 1],
+            [200_000, 1, 1],
             [3, 200, 2],
         ] {
             for most in [1, 2, 7, 64, 100_000] {
@@ -85,6 +87,8 @@ mod tests {
                 let inside =
                     |part: &Part| (0..3).all(|i| part.first[i] + part.count[i] <= groups[i]);
                 assert!(parts.iter().all(inside));
+                let short = |part: &Part| part.count.iter().all(|n| *n <= MOST_ALONG_AN_AXIS);
+                assert!(parts.iter().all(short));
             }
         }
     }
