@@ -1,25 +1,23 @@
 //! One device, its pipelines, and the geometries its views share.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use tyndall_scene::Scene;
 
 use crate::engine::{
-    AdapterSummary, Device, FrameMeta, FrameTiming, MemoryBudget, Pipelines, Pool, Recording,
-    SelfTest, statistics_scale, wait,
+    AdapterSummary, Device, MemoryBudget, Pipelines, Pool, Recorded, Recording, SelfTest, wait,
 };
 use crate::error::RenderError;
 use crate::frame::{self, PlanLimits};
 use crate::gpu_scene::{AssetCache, GpuAssets};
-use crate::picture::{Share, Slice, Work};
+use crate::picture::{Share, Work};
 use crate::prepare::{Preparations, Prepared, Shared};
 use crate::stages::area_lights::has_area_lights;
-use crate::stages::shadow_maps::ShadowMaps;
 use crate::stages::tonemap::DISPLAYED;
 use crate::supported::check_supported;
 use crate::techniques;
-use crate::view::View;
+use crate::view::{View, slice_budget};
 
 /// Renders views on one device. Single-threaded: one thread owns it.
 #[derive(Debug)]
@@ -28,6 +26,7 @@ pub struct Renderer {
     pool: Pool,
     preparations: Preparations,
     unskipped: bool,
+    in_parts: bool,
 }
 
 /// What a call of [`Renderer::render`] did.
@@ -55,6 +54,7 @@ impl Renderer {
             pool: Pool::default(),
             preparations: Preparations::default(),
             unskipped: false,
+            in_parts: false,
         })
     }
 
@@ -62,6 +62,12 @@ impl Renderer {
     /// what leaving out saves; pictures stay the same within 1e-3.
     pub fn set_unskipped(&mut self, unskipped: bool) {
         self.unskipped = unskipped;
+    }
+
+    /// From now on, long frames of the views that are made are submitted part by part: the first by
+    /// [`Self::render`], the others by [`Self::go_on`]. Others may have the device between two of them.
+    pub fn set_in_parts(&mut self, in_parts: bool) {
+        self.in_parts = in_parts;
     }
 
     /// Limits the memory that pictures may take from now on. What would exceed it is refused with
@@ -101,6 +107,7 @@ impl Renderer {
             loop_cap: self.self_test().loop_cap,
             beyond_correction: false,
             unskipped: self.unskipped,
+            in_parts: self.in_parts,
         }
     }
 
@@ -166,53 +173,50 @@ impl Renderer {
             Work::Wait => return Ok(RenderOutcome::Busy),
             Work::Redisplay | Work::Sample => {}
         }
-        if !view.ring.has_room() {
+        if !view.ring.has_room() || view.is_under_way() {
             return Ok(RenderOutcome::Busy);
         }
         let started = Instant::now();
         let share = view.share(work);
         view.prepare_frame(&self.shared.device, share);
-        let submitted = self.submit(view, share);
-        view.settle(submitted.is_ok(), share);
-        let (frame_timing, submission) = submitted?;
-        let (width, height) = view.size();
-        let sweep = share.slice.map(|slice| view.slices.advance(slice));
-        let added = share.slice.map_or(1, Slice::completed_samples);
-        let base = view.has_base().then_some(share.base);
-        let estimated = share.estimated.then_some(share.done);
-        view.accumulation.advance(work, added, base, estimated);
-        if let Some(sweep) = sweep {
-            view.accumulation.await_sweep(sweep);
+        match self.record(view, share) {
+            Ok(recorded) => {
+                view.begin(self.device(), tag, started, (work, share), recorded)?;
+                Ok(RenderOutcome::Submitted)
+            }
+            Err(error) => {
+                view.settle(false, share);
+                Err(error)
+            }
         }
-        let shadows = view.state.kept.get::<ShadowMaps>();
-        let meta = FrameMeta {
-            tag,
-            samples: view.accumulation.samples(),
-            converged: view.is_converged(),
-            epoch: view.accumulation.epoch(),
-            started,
-            statistics_scale: statistics_scale(width, height),
-            filmed: work == Work::Sample,
-            transmittances: view.transmittance_sums(share),
-            estimated: view.estimates(share),
-            units: share.slice.map_or(0, |slice| slice.units(width)),
-            shadow_layers: shadows.map_or(0, ShadowMaps::take_rendered),
-            sweep,
-        };
-        view.ring.submit(meta, frame_timing, submission);
-        Ok(RenderOutcome::Submitted)
     }
 
-    /// Records and submits what `share` includes of the view's plan.
-    fn submit(
-        &self,
-        view: &View,
-        share: Share,
-    ) -> Result<(FrameTiming, wgpu::SubmissionIndex), RenderError> {
+    /// Submits the next part of the frame of `view` that is under way, if there is one and the device is
+    /// done with the part before. Never waits.
+    pub fn go_on(&self, view: &mut View) -> Result<(), RenderError> {
+        view.go_on(self.device())
+    }
+
+    /// Drops the frame of `view` of which parts are not submitted yet, for a picture that is about to
+    /// start anew; whether there was one.
+    pub fn abandon(&self, view: &mut View) -> bool {
+        view.abandon()
+    }
+
+    /// Limits the time that traced samples of `view` may take in a frame: at most what is usual on this
+    /// device, which holds without `budget`.
+    pub fn trace_within(&self, view: &mut View, budget: Option<Duration>) {
+        let usual = slice_budget(self.device());
+        view.set_slice_budget(budget.map_or(usual, |budget| budget.min(usual)));
+    }
+
+    /// Records what `share` includes of the view's plan.
+    fn record(&self, view: &View, share: Share) -> Result<Recorded, RenderError> {
         let Shared {
             device, pipelines, ..
         } = &self.shared;
-        let mut recording = Recording::new(device, pipelines, &view.timing);
+        let in_parts = view.state.is_cut;
+        let mut recording = Recording::new(device, pipelines, &view.timing, in_parts);
         let parts = view.parts(share);
         frame::record(&mut recording, view.plan(), &parts)?;
         view.ring.record(
@@ -222,7 +226,7 @@ impl Renderer {
             &view.timing,
             &recording.frame_timing,
         );
-        recording.submit()
+        Ok(recording.finish())
     }
 
     /// Lets finished frames arrive. Never blocks.
@@ -240,9 +244,10 @@ impl Renderer {
         self.device().check()
     }
 
-    /// Blocks until the oldest frame in flight of `view` has finished; returns at once without one.
+    /// Blocks until the oldest frame in flight of `view` has finished, or the part that is on the device
+    /// of one under way; returns at once without one.
     pub fn wait_for(&self, view: &View) -> Result<(), RenderError> {
-        if let Some(submission) = view.ring.oldest_submission() {
+        if let Some(submission) = view.oldest_submission() {
             wait(self.device(), Some(submission))?;
         }
         self.device().check()

@@ -4,6 +4,7 @@
 //! without a device.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use tyndall_render::{
     AdapterKind, AdapterSummary, Device, DeviceOptions, FailedFrame, FinishedFrame, Prepared,
@@ -47,6 +48,14 @@ pub trait Backend {
     ) -> Result<(), RenderError>;
     /// Starts one frame, which [`Backend::take_finished`] gives back under `tag`.
     fn render(&mut self, view: &mut Self::View, tag: u64) -> Result<RenderOutcome, RenderError>;
+    /// Goes on with a frame of this view that is submitted in parts, once the device is done with the last
+    /// one.
+    fn go_on(&mut self, view: &mut Self::View) -> Result<(), RenderError>;
+    /// Drops the frame of this view that is submitted in parts, before a change that starts the picture
+    /// anew; whether there was one.
+    fn abandon(&mut self, view: &mut Self::View) -> bool;
+    /// Limits the time that traced samples may take in the next frames; to what the device allows without.
+    fn trace_within(&mut self, view: &mut Self::View, budget: Option<Duration>);
     /// Looks for finished work without blocking.
     fn poll(&mut self) -> Result<(), RenderError>;
     /// Blocks until the oldest frame in flight of this view is finished, whatever else is on the device.
@@ -79,9 +88,10 @@ impl Wgpu {
     /// [`ServeError::Device`] and [`ServeError::Renderer`].
     pub fn open(options: &DeviceOptions) -> Result<Self, ServeError> {
         let device = Device::open(options)?;
-        Ok(Self {
-            renderer: Renderer::new(device)?,
-        })
+        let mut renderer = Renderer::new(device)?;
+        // Nobody waits for the whole of another's long frame.
+        renderer.set_in_parts(true);
+        Ok(Self { renderer })
     }
 }
 
@@ -122,6 +132,18 @@ impl Backend for Wgpu {
 
     fn render(&mut self, view: &mut View, tag: u64) -> Result<RenderOutcome, RenderError> {
         self.renderer.render(view, tag)
+    }
+
+    fn go_on(&mut self, view: &mut View) -> Result<(), RenderError> {
+        self.renderer.go_on(view)
+    }
+
+    fn abandon(&mut self, view: &mut View) -> bool {
+        self.renderer.abandon(view)
+    }
+
+    fn trace_within(&mut self, view: &mut View, budget: Option<Duration>) {
+        self.renderer.trace_within(view, budget);
     }
 
     fn poll(&mut self) -> Result<(), RenderError> {

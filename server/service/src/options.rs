@@ -89,6 +89,9 @@ pub struct ServiceLimits {
     pub drain_within: Duration,
     /// Threads that compress frames.
     pub encoder_threads: usize,
+    /// What a frame of a moving picture may take: its size follows. 33 ms on a GPU, 100 ms on a software
+    /// driver without one.
+    pub frame_budget: Option<Duration>,
 }
 
 impl Default for ServiceLimits {
@@ -106,6 +109,7 @@ impl Default for ServiceLimits {
             send_within: Duration::from_secs(20),
             drain_within: Duration::from_secs(10),
             encoder_threads: (cores / 4).clamp(1, 4),
+            frame_budget: None,
         }
     }
 }

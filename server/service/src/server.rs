@@ -76,6 +76,7 @@ pub async fn serve_on<B: Backend + 'static>(
         encoders,
         Arc::clone(&readiness),
         shutdown.clone(),
+        limits.frame_budget,
     )
     .await?;
     tracing::info!(adapter = adapter.name, driver = adapter.driver, kind = ?adapter.kind, "rendering");

@@ -31,7 +31,9 @@ mirrors! {
         base_samples: f32,
         same_place: f32,
         spread: f32,
-        padding: [u32; 2],
+        size: [u32; 2],
+        count_scale: f32,
+        padding: [u32; 3],
     }
 
     /// What new samples say against carried ones, in a tile of pixels.

@@ -32,6 +32,8 @@ const MOST_CARRIED_BASE: f32 = 16.0;
 pub(crate) struct Seen {
     /// Its camera.
     pub camera: Camera,
+    /// Width and height. Unit: pixel.
+    pub size: [u32; 2],
     /// Whether more than the camera is another since.
     pub changed: bool,
 }
@@ -81,7 +83,10 @@ impl History {
         self.changed.set(last.is_some_and(|last| last.changed));
         let mut value = HistoryView::default();
         if let Some(last) = last {
-            value = history_view(&last.camera, camera, self.size);
+            value = history_view(&last.camera, camera, last.size);
+            // Of a smaller picture one sample stands for several pixels, and counts once in all of them.
+            let pixels = |[width, height]: [u32; 2]| width as f32 * height as f32;
+            value.count_scale = (pixels(last.size) / pixels(self.size)).min(1.0);
             value.most = most;
             value.most_base = (MOST_CARRIED_BASE - base_samples as f32).max(0.0);
             value.changed = last.changed.into();

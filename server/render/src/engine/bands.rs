@@ -4,7 +4,7 @@ use super::adapter::AdapterKind;
 
 /// Loop iterations of one dispatch, by the upper bounds that plans give: what takes about a tenth of a
 /// second (in software 7e8 a second on two cores, measured on the march of the fogged hall).
-fn most_iterations(kind: AdapterKind) -> u64 {
+pub(crate) fn most_iterations(kind: AdapterKind) -> u64 {
     match kind {
         AdapterKind::Gpu => 1 << 31,
         AdapterKind::Software | AdapterKind::Other => 1 << 26,

@@ -24,7 +24,7 @@ mod self_test;
 mod timing;
 
 pub use adapter::{AdapterKind, AdapterSummary, DeviceOptions};
-pub(crate) use bands::most_frame_iterations;
+pub(crate) use bands::{most_frame_iterations, most_iterations};
 pub(crate) use bindings::Bindings;
 pub(crate) use constants::Constants;
 pub use device::{Device, SelfTest};
@@ -37,7 +37,7 @@ pub(crate) use raster::{
 };
 pub use readback::{FinishedFrame, FrameStats};
 pub(crate) use readback::{FrameMeta, ReadbackRing, read_now, statistics_scale, wait};
-pub(crate) use recording::{Link, Recording, Size};
+pub(crate) use recording::{Link, Recorded, Recording, SHORT, Size};
 pub(crate) use resources::{Access, AccessKind, Bytes, Extent, Life, ResourceSpec};
 pub use timing::PassTime;
 pub(crate) use timing::{FrameTiming, Timing};

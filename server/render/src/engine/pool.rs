@@ -1,8 +1,8 @@
 //! Makes the textures and buffers that the passes of a plan declare, and knows their bytes before.
 //!
 //! Resources that live for a frame share memory: within a view where one pass is done with it before
-//! another needs it, and between views of the same size, since a frame is recorded and submitted as a
-//! whole before the next one. Resources that live longer are the view's own.
+//! another needs it, and between views of the same size whose frames are submitted as a whole: one is done
+//! before the next begins. Resources that live longer are the view's own.
 
 use std::sync::{Arc, Weak};
 
@@ -42,6 +42,8 @@ pub(crate) struct Pool {
 #[derive(Debug)]
 pub(crate) struct ViewResources {
     pub size: [u32; 2],
+    /// Whether what lives for a frame is shared with other views.
+    shares: bool,
     entries: Vec<Entry>,
     bytes: u64,
 }
@@ -51,10 +53,29 @@ struct Entry {
     name: &'static str,
     previous: Option<&'static str>,
     life: Life,
+    /// What `memory` is to be at the picture's size.
+    kind: Kind,
+    /// Which of the allocations of its kind, where it lives for a frame.
+    slot: u32,
+    memory: Allocation,
+    /// Takes turns with `memory` where there is a previous state.
+    other: Option<Allocation>,
+}
+
+/// Memory of a kind; what a picture of another size left is of another kind than its entry.
+#[derive(Debug, Clone)]
+struct Allocation {
     kind: Kind,
     memory: Arc<Memory>,
-    /// Takes turns with `memory` where there is a previous state.
-    other: Option<Arc<Memory>>,
+}
+
+impl Allocation {
+    fn new(device: &Device, kind: Kind, name: &'static str) -> Self {
+        Self {
+            kind,
+            memory: Arc::new(kind.make(device, name)),
+        }
+    }
 }
 
 /// A resource of a plan: its kind, and the first and last pass that name it.
@@ -70,14 +91,15 @@ struct Wanted {
 
 impl Pool {
     /// Makes what `passes` name, in the order in which they run, for a picture of a size that
-    /// [`check_size`] let pass. What
-    /// `before` holds of the same kind is kept with what is in it.
+    /// [`check_size`] let pass. What `before` holds of the same kind is kept with what is in it. `shares`
+    /// memory with other views, for views whose frames are submitted as a whole.
     pub fn fit(
         &mut self,
         device: &Device,
         passes: &[&[Access]],
         size: [u32; 2],
         before: Option<&ViewResources>,
+        shares: bool,
     ) -> Result<ViewResources, RenderError> {
         let mut wanted = wanted(passes, size);
         let bytes = share_slots(&mut wanted);
@@ -101,14 +123,16 @@ impl Pool {
         }
         self.shared
             .retain(|(_, _, memory)| memory.strong_count() > 0);
-        self.check_all(device, &wanted, before)?;
+        self.check_all(device, &wanted, before, shares)?;
         let mut entries: Vec<Entry> = Vec::with_capacity(wanted.len());
         for wanted in wanted {
-            entries.push(self.entry(device, wanted, before));
+            let entry = self.entry(device, wanted, &entries, before, shares);
+            entries.push(entry);
         }
         device.check()?;
         Ok(ViewResources {
             size,
+            shares,
             entries,
             bytes,
         })
@@ -120,17 +144,20 @@ impl Pool {
         device: &Device,
         wanted: &[Wanted],
         before: Option<&ViewResources>,
+        shares: bool,
     ) -> Result<(), RenderError> {
         let mut counted: Vec<(Kind, u32)> = Vec::new();
         let mut new_bytes = 0;
         for wanted in wanted {
             let there = match wanted.spec.life {
-                Life::View => before.is_some_and(|before| before.kept(wanted).is_some()),
+                Life::View => before
+                    .and_then(|before| before.kept(wanted))
+                    .is_some_and(|entry| entry.kind == wanted.kind),
                 Life::Frame => {
                     let slot = (wanted.kind, wanted.slot);
                     let known = counted.contains(&slot);
                     counted.push(slot);
-                    known || self.shared(wanted).is_some()
+                    known || self.for_a_frame(wanted, before, shares).is_some()
                 }
             };
             if !there {
@@ -150,29 +177,53 @@ impl Pool {
         Ok(())
     }
 
-    fn shared(&self, wanted: &Wanted) -> Option<Arc<Memory>> {
-        self.shared
-            .iter()
-            .find(|(kind, slot, _)| (*kind, *slot) == (wanted.kind, wanted.slot))
-            .and_then(|(_, _, memory)| memory.upgrade())
+    /// Memory that is there for what lives for a frame: any view's, or the view's own before.
+    fn for_a_frame(
+        &self,
+        wanted: &Wanted,
+        before: Option<&ViewResources>,
+        shares: bool,
+    ) -> Option<Arc<Memory>> {
+        if shares {
+            let slot = |(kind, slot, _): &&(Kind, u32, Weak<Memory>)| {
+                (*kind, *slot) == (wanted.kind, wanted.slot)
+            };
+            let (_, _, memory) = self.shared.iter().find(slot)?;
+            return memory.upgrade();
+        }
+        let before = before.filter(|before| !before.shares)?;
+        in_slot(&before.entries, wanted)
     }
 
-    fn entry(&mut self, device: &Device, wanted: Wanted, before: Option<&ViewResources>) -> Entry {
+    fn entry(
+        &mut self,
+        device: &Device,
+        wanted: Wanted,
+        made: &[Entry],
+        before: Option<&ViewResources>,
+        shares: bool,
+    ) -> Entry {
         let Wanted { spec, kind, .. } = wanted;
-        let make = || Arc::new(kind.make(device, spec.name));
+        let make = || Allocation::new(device, kind, spec.name);
         let (memory, other) = match spec.life {
             Life::View => match before.and_then(|before| before.kept(&wanted)) {
-                Some(entry) => (Arc::clone(&entry.memory), entry.other.clone()),
+                Some(entry) if entry.kind == kind => (entry.memory.clone(), entry.other.clone()),
+                // The first frame turns to the other one, and finds the last picture in this.
+                Some(entry) => (entry.memory.clone(), Some(make())),
                 None => (make(), spec.previous.map(|_| make())),
             },
             Life::Frame => {
-                let memory = self.shared(&wanted).unwrap_or_else(|| {
-                    let memory = make();
-                    let slot = (kind, wanted.slot, Arc::downgrade(&memory));
-                    self.shared.push(slot);
+                let there = in_slot(made, &wanted)
+                    .or_else(|| self.for_a_frame(&wanted, before, shares));
+                let memory = there.unwrap_or_else(|| {
+                    let memory = make().memory;
+                    if shares {
+                        let slot = (kind, wanted.slot, Arc::downgrade(&memory));
+                        self.shared.push(slot);
+                    }
                     memory
                 });
-                (memory, None)
+                (Allocation { kind, memory }, None)
             }
         };
         Entry {
@@ -180,10 +231,20 @@ impl Pool {
             previous: spec.previous,
             life: spec.life,
             kind,
+            slot: wanted.slot,
             memory,
             other,
         }
     }
+}
+
+/// The memory of an entry that lives for a frame and has the same slot.
+fn in_slot(entries: &[Entry], wanted: &Wanted) -> Option<Arc<Memory>> {
+    let has_it = |entry: &&Entry| {
+        entry.life == Life::Frame && (entry.kind, entry.slot) == (wanted.kind, wanted.slot)
+    };
+    let found = entries.iter().find(has_it)?;
+    Some(Arc::clone(&found.memory.memory))
 }
 
 /// Refuses pictures that no pass could write.
@@ -271,22 +332,23 @@ impl ViewResources {
         self.bytes
     }
 
-    /// The entry of a resource that lives from frame to frame and is of the same kind.
+    /// The entry of a resource that lives from frame to frame and is of the same kind; of one with a
+    /// previous state the last picture's counts at another size, too.
     fn kept(&self, wanted: &Wanted) -> Option<&Entry> {
         self.entries.iter().find(|entry| {
             entry.name == wanted.spec.name
                 && entry.life == Life::View
-                && entry.kind == wanted.kind
                 && entry.previous == wanted.spec.previous
+                && (entry.kind == wanted.kind || entry.previous.is_some())
         })
     }
 
     fn memory(&self, name: &str) -> Option<&Memory> {
         self.entries.iter().find_map(|entry| {
             if entry.name == name {
-                Some(entry.memory.as_ref())
+                Some(entry.memory.memory.as_ref())
             } else if entry.previous == Some(name) {
-                entry.other.as_deref()
+                entry.other.as_ref().map(|other| other.memory.as_ref())
             } else {
                 None
             }
@@ -334,7 +396,19 @@ impl ViewResources {
     }
 
     /// Makes what every resource with a previous state holds that state.
-    pub fn swap(&mut self) {
+    pub fn swap(&mut self, device: &Device) {
+        for entry in &mut self.entries {
+            if let Some(other) = &mut entry.other {
+                std::mem::swap(&mut entry.memory, other);
+                if entry.memory.kind != entry.kind {
+                    entry.memory = Allocation::new(device, entry.kind, entry.name);
+                }
+            }
+        }
+    }
+
+    /// Takes back a [`Self::swap`]: what counted as the previous state is the present one again.
+    pub fn swap_back(&mut self) {
         for entry in &mut self.entries {
             if let Some(other) = &mut entry.other {
                 std::mem::swap(&mut entry.memory, other);

@@ -102,6 +102,7 @@ pub(crate) fn history_view(
         up: (up * tan_y).as_vec3().to_array(),
         forward: forward.as_vec3().to_array(),
         moved: (camera.position - last.position).as_vec3().to_array(),
+        size: [width, height],
         ..Default::default()
     }
 }

@@ -65,10 +65,11 @@ impl Inputs {
         }
     }
 
-    /// Whether the buffers hold as many lights and media as `scene` has.
+    /// Whether the buffers are made for as many lights and media as `scene` has: shaders read many
+    /// lights' number from the length of their buffer.
     pub fn fits(&self, scene: &Scene) -> bool {
-        self.lights.size() >= (scene.lights.len() * size_of::<types::Light>()) as u64
-            && self.media.size() >= (scene.media.len() * size_of::<types::Medium>()) as u64
+        self.lights.size() == (scene.lights.len().max(1) * size_of::<types::Light>()) as u64
+            && self.media.size() == (scene.media.len().max(1) * size_of::<types::Medium>()) as u64
     }
 
     /// Whether both are the same buffers.

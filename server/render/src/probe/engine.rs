@@ -39,7 +39,7 @@ pub fn added_levels(
         .write_buffer(counts, 0, bytemuck::cast_slice(&words));
     let pipelines = Pipelines::default();
     let timing = Timing::new(device);
-    let mut recording = Recording::new(device, &pipelines, &timing);
+    let mut recording = Recording::new(device, &pipelines, &timing, false);
     let state = added_state();
     let direct = DrawCall::Vertices {
         vertices: 0..3,
@@ -60,7 +60,7 @@ pub fn added_levels(
             &Bindings::default(),
         )?;
     }
-    recording.submit()?;
+    device.queue.submit(recording.finish().parts);
     Ok([
         read_level(device, level(0)?, (0, SIDE))?,
         read_level(device, level(1)?, (1, SIDE / 2))?,
@@ -89,14 +89,14 @@ pub fn shared_bytes(device: &Device) -> Result<[u64; 2], RenderError> {
     let apart: [&[Access]; 4] = [&[a.written()], &[a.read()], &[b.written()], &[b.read()]];
     let together: [&[Access]; 3] = [&[a.written()], &[b.written()], &[a.read(), b.read()]];
     let bytes = |passes: &[&[Access]]| {
-        let fitted = Pool::default().fit(device, passes, [SIDE, SIDE], None);
+        let fitted = Pool::default().fit(device, passes, [SIDE, SIDE], None, true);
         fitted.map(|resources| resources.bytes())
     };
     Ok([bytes(&apart)?, bytes(&together)?])
 }
 
 fn fit(device: &Device, accesses: &[Access]) -> Result<ViewResources, RenderError> {
-    Pool::default().fit(device, &[accesses], [SIDE, SIDE], None)
+    Pool::default().fit(device, &[accesses], [SIDE, SIDE], None, true)
 }
 
 /// The red channel of a texture's level.

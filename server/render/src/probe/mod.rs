@@ -44,7 +44,7 @@ pub fn run_for(
 ) -> Result<Vec<u8>, RenderError> {
     let constants = Constants::default()
         .number("MEDIUM_COUNT", counts.media)
-        .number("EMITTER_COUNT", counts.emitters)
+        .flag("EMITTERS", counts.emitters > 0)
         // Phase functions of every kind are asked for.
         .flag("MIXED_PHASES", true);
     let program = Pipelines::default().compute_of(device, shader, &constants)?;

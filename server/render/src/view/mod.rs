@@ -2,22 +2,28 @@
 
 mod places;
 mod scene_state;
+mod under_way;
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use tyndall_scene::{ChangeSet, CorrectionMode, Scene, SceneFacts, ShadowMode};
 
 use crate::correction::{self, Correction, SAFETY, Seen, largest_buffer};
-use crate::engine::{AdapterKind, Device, FinishedFrame, Pool, ReadbackRing, Timing};
+use crate::engine::{
+    AdapterKind, Device, FinishedFrame, FrameMeta, Pool, ReadbackRing, Recorded, Timing,
+    statistics_scale,
+};
 use crate::error::{FailedFrame, RenderError};
 use crate::frame::{FramePlan, Parts, PlanLimits};
 use crate::gpu_scene::{GpuAssets, SampleValues, pixel_ray};
 use crate::picture::{Accumulation, Share, Slice, Slices, Work, pixel_offset};
+use crate::stages::shadow_maps::ShadowMaps;
 use crate::stages::{estimate, film};
 use crate::techniques::reference::paths;
 use scene_state::Maker;
+use under_way::UnderWay;
 pub(crate) use scene_state::{SceneState, constants, need_geometry};
 
 /// Surfaces beyond are not found under a place of the picture. Unit: m.
@@ -39,6 +45,8 @@ pub struct View {
     pub(crate) timing: Timing,
     /// What changed since the state was uploaded.
     unsent: ChangeSet,
+    /// The frame of which parts are not submitted yet.
+    under_way: Option<UnderWay>,
     limits: PlanLimits,
 }
 
@@ -68,6 +76,7 @@ impl View {
             ring: ReadbackRing::new(device, size[0], size[1]),
             timing: Timing::new(device),
             unsent: ChangeSet::all(),
+            under_way: None,
             limits,
         })
     }
@@ -82,6 +91,11 @@ impl View {
         assets: GpuAssets,
     ) -> Result<(), RenderError> {
         let changed = ChangeSet::between(&self.state.scene, &scene);
+        if changed.restarts() {
+            self.abandon();
+        } else {
+            self.submit_rest(device)?;
+        }
         let mut maker = Maker {
             device,
             pool,
@@ -121,6 +135,7 @@ impl View {
         if size == self.state.resources.size {
             return Ok(());
         }
+        self.abandon();
         let limits = limits_at(device, self.limits, size);
         let mut maker = Maker {
             device,
@@ -132,7 +147,8 @@ impl View {
         self.state = maker.state(scene, assets, Some(&self.state), ChangeSet::empty())?;
         self.limits = limits;
         self.ring = ReadbackRing::new(device, size[0], size[1]);
-        self.forget_seen();
+        // What was seen is carried over in its own size.
+        self.restart += 1;
         self.unsent = ChangeSet::all();
         self.accumulation.restart();
         self.slices.restart();
@@ -191,7 +207,7 @@ impl View {
     pub(crate) fn prepare_frame(&mut self, device: &Device, share: Share) {
         self.state.upload(device, self.unsent);
         if share.restarts {
-            self.state.resources.swap();
+            self.state.resources.swap(device);
         }
         self.look_back(device, share);
         if let Some(slice) = share.slice {
@@ -211,6 +227,97 @@ impl View {
             self.size(),
             sample,
         );
+    }
+
+    /// Takes a frame that was recorded, and submits its first part; all of it where it is not cut.
+    pub(crate) fn begin(
+        &mut self,
+        device: &Device,
+        tag: u64,
+        started: Instant,
+        what: (Work, Share),
+        recorded: Recorded,
+    ) -> Result<(), RenderError> {
+        self.under_way = Some(UnderWay::new(tag, started, what, recorded));
+        self.go_on(device)
+    }
+
+    /// Submits the next part of the frame under way, once the device is done with the one before.
+    pub(crate) fn go_on(&mut self, device: &Device) -> Result<(), RenderError> {
+        if let Some(frame) = &mut self.under_way
+            && let Some(submission) = frame.go_on(device)
+        {
+            self.submitted(submission);
+        }
+        device.check()
+    }
+
+    /// Submits what is left of the frame under way.
+    fn submit_rest(&mut self, device: &Device) -> Result<(), RenderError> {
+        if let Some(frame) = &mut self.under_way {
+            let submission = frame.submit_all(device)?;
+            self.submitted(submission);
+        }
+        Ok(())
+    }
+
+    /// Whether parts of a frame are not submitted yet.
+    pub fn is_under_way(&self) -> bool {
+        self.under_way.is_some()
+    }
+
+    /// Drops the frame of which parts are not submitted yet, as if it had never begun; whether there was
+    /// one. What a picture gained in it is lost: for pictures that start anew.
+    pub(crate) fn abandon(&mut self) -> bool {
+        let Some(frame) = self.under_way.take() else {
+            return false;
+        };
+        self.state.kept.settle(false);
+        if frame.share.restarts {
+            self.state.resources.swap_back();
+            self.seen = self.last_seen.take();
+        }
+        true
+    }
+
+    /// Counts a frame whose last part was submitted.
+    fn submitted(&mut self, submission: wgpu::SubmissionIndex) {
+        let Some(frame) = self.under_way.take() else {
+            return;
+        };
+        let (work, share) = (frame.work, frame.share);
+        self.settle(true, share);
+        let (width, height) = self.size();
+        let sweep = share.slice.map(|slice| self.slices.advance(slice));
+        let added = share.slice.map_or(1, Slice::completed_samples);
+        let base = self.has_base().then_some(share.base);
+        let estimated = share.estimated.then_some(share.done);
+        self.accumulation.advance(work, added, base, estimated);
+        if let Some(sweep) = sweep {
+            self.accumulation.await_sweep(sweep);
+        }
+        let shadows = self.state.kept.get::<ShadowMaps>();
+        let meta = FrameMeta {
+            tag: frame.tag,
+            samples: self.accumulation.samples(),
+            converged: self.is_converged(),
+            epoch: self.accumulation.epoch(),
+            started: frame.started,
+            statistics_scale: statistics_scale(width, height),
+            filmed: work == Work::Sample,
+            transmittances: self.transmittance_sums(share),
+            estimated: self.estimates(share),
+            units: share.slice.map_or(0, |slice| slice.units(width)),
+            shadow_layers: shadows.map_or(0, ShadowMaps::take_rendered),
+            sweep,
+        };
+        self.ring.submit(meta, frame.timing, submission);
+    }
+
+    /// The oldest work of this view on the device.
+    pub(crate) fn oldest_submission(&self) -> Option<wgpu::SubmissionIndex> {
+        let part = || self.under_way.as_ref()?.submission();
+        self.ring.oldest_submission().or_else(part)
     }
 
     /// What the passes of a frame use.
@@ -237,6 +344,7 @@ impl View {
         if share.estimated {
             self.seen = Some(Seen {
                 camera: self.state.scene.camera,
+                size: self.state.resources.size,
                 changed: false,
             });
         }
@@ -327,9 +435,9 @@ impl View {
             && !self.accumulation.is_behind()
     }
 
-    /// Frames submitted and not yet taken.
+    /// Frames begun and not yet taken.
     pub fn in_flight(&self) -> usize {
-        self.ring.in_flight()
+        self.ring.in_flight() + usize::from(self.is_under_way())
     }
 
     /// The oldest finished frame, if one has arrived; call [`Renderer::poll`](crate::Renderer::poll) first.
@@ -382,7 +490,7 @@ fn limits_at(device: &Device, limits: PlanLimits, size: [u32; 2]) -> PlanLimits 
 }
 
 /// Longest dispatch of the reference that leaves a picture responsive.
-fn slice_budget(device: &Device) -> Duration {
+pub(crate) fn slice_budget(device: &Device) -> Duration {
     match device.summary().kind {
         AdapterKind::Gpu => Duration::from_millis(8),
         AdapterKind::Software | AdapterKind::Other => Duration::from_millis(60),

@@ -8,7 +8,8 @@ use std::sync::Arc;
 use tyndall_scene::{ChangeSet, Light, Medium, MediumShape, Scene, SceneFacts, ShadowMode};
 
 use crate::engine::{
-    Access, Constants, Device, Pool, ViewResources, check_size, most_frame_iterations,
+    Access, Constants, Device, Pool, SHORT, ViewResources, check_size, most_frame_iterations,
+    most_iterations,
 };
 use crate::error::RenderError;
 use crate::frame::{FramePlan, KeptKind, KeptStates, PlanLimits, Preparation, Traces};
@@ -27,6 +28,8 @@ pub(crate) struct SceneState {
     pub inputs: Inputs,
     pub resources: ViewResources,
     pub kept: KeptStates,
+    /// Whether its frames are recorded in parts.
+    pub is_cut: bool,
     /// What pipelines are built for that follows from the scene.
     pub constants: Constants,
 }
@@ -57,10 +60,9 @@ impl Maker<'_> {
         check_work(device, &plan, self.size)?;
         need_geometry(device, &assets.placement, &plan)?;
         let accesses: Vec<&[Access]> = plan.passes.iter().map(|p| p.accesses.as_slice()).collect();
-        // What was kept at another size is of no use.
-        let same_size = before.filter(|before| before.resources.size == self.size);
-        let earlier = same_size.map(|before| &before.resources);
-        let resources = self.pool.fit(device, &accesses, self.size, earlier)?;
+        let earlier = before.map(|before| &before.resources);
+        let is_cut = self.limits.in_parts && is_long(device, &plan, self.size);
+        let resources = self.pool.fit(device, &accesses, self.size, earlier, !is_cut)?;
         let kinds: Vec<KeptKind> = plan.passes.iter().flat_map(|p| p.keeps.clone()).collect();
         let preparation = Preparation {
             device,
@@ -89,6 +91,7 @@ impl Maker<'_> {
             inputs,
             resources,
             kept,
+            is_cut,
         })
     }
 }
@@ -156,6 +159,14 @@ fn check_work(
     Ok(())
 }
 
+/// Whether a frame may take longer than others should wait for the device, by upper bounds.
+fn is_long(device: &Device, plan: &FramePlan, [width, height]: [u32; 2]) -> bool {
+    let pixels = u64::from(width) * u64::from(height);
+    let loops = plan.passes.iter().map(|pass| pass.whole_picture());
+    let per_pixel = loops.fold(SHORT_PASSES * SHORT, u64::saturating_add);
+    pixels.saturating_mul(per_pixel) > most_iterations(device.summary().kind)
+}
+
 /// Builds what the passes of the plan ask rays about.
 pub(crate) fn need_geometry(
     device: &Device,
@@ -169,6 +180,21 @@ pub(crate) fn need_geometry(
     }
 }
 
+/// Dispatches over all pixels that a corrected picture takes, without the technique's.
+const SHORT_PASSES: u64 = 20;
+
+/// Up to so many lights a pipeline is built for their number: the software driver is then faster.
+const MOST_FEW_LIGHTS: usize = 8;
+/// The same of media.
+const MOST_FEW_MEDIA: usize = 4;
+/// Stands for every larger number, which one pipeline serves; `MANY` in `scene.wesl`.
+const MANY: u32 = u32::MAX;
+
+/// The number that a pipeline is built for: `count` itself while it is small.
+fn few(count: usize, most: usize) -> u32 {
+    if count <= most { count as u32 } else { MANY }
+}
+
 /// What pipelines are built for that follows from the scene and its number of emissive triangles.
 pub(crate) fn constants(scene: &Scene, facts: &SceneFacts, emitter_count: u32) -> Constants {
     let chromatic = |medium: &Medium| {
@@ -180,9 +206,9 @@ pub(crate) fn constants(scene: &Scene, facts: &SceneFacts, emitter_count: u32) -
     let in_grid = |medium: &Medium| matches!(medium.shape, MediumShape::Grid { .. });
     let chromatic_grids = scene.media.iter().any(|m| chromatic(m) && in_grid(m));
     Constants::default()
-        .number("MEDIUM_COUNT", scene.media.len() as u32)
-        .number("LIGHT_COUNT", scene.lights.len() as u32)
-        .number("EMITTER_COUNT", emitter_count)
+        .number("MEDIUM_COUNT", few(scene.media.len(), MOST_FEW_MEDIA))
+        .number("LIGHT_COUNT", few(scene.lights.len(), MOST_FEW_LIGHTS))
+        .flag("EMITTERS", emitter_count > 0)
         .flag("CHROMATIC", scene.media.iter().any(chromatic))
         .flag("CHROMATIC_GRIDS", chromatic_grids)
         .flag("FINDS_LIGHT", emitter_count > 0 || facts.environment)

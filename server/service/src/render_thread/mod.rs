@@ -8,10 +8,12 @@
 //! - `round`: the loop;
 //! - `seat`: a session's place at the device;
 //! - `show`: brings a picture to a wish, prepared first, with `fit` smaller where memory is short;
+//! - `effort`: how many pixels a moving picture gets;
 //! - `refusal`: pictures that cannot be made, and frames that cannot be read;
 //! - `recovery`: a lost device, who may have lost it, and another one;
 //! - `readiness`: what the routes ask.
 
+mod effort;
 mod fit;
 mod readiness;
 mod recovery;
@@ -22,6 +24,7 @@ mod show;
 
 use std::sync::Arc;
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use tokio_util::sync::CancellationToken;
 use tyndall_stream::protocol::{Adapter, AdapterKind};
@@ -41,6 +44,7 @@ pub(crate) async fn start<B: Backend + 'static>(
     encoders: EncoderPool,
     readiness: Arc<Readiness>,
     shutdown: CancellationToken,
+    frame_budget: Option<Duration>,
 ) -> Result<(JoinHandle<()>, Adapter), ServeError> {
     let fault = |reason: String| ServeError::Thread {
         name: "render",
@@ -74,6 +78,7 @@ pub(crate) async fn start<B: Backend + 'static>(
                     seats: Vec::new(),
                     turn: 0,
                     software,
+                    frame_budget,
                     device_errors: 0,
                 }
                 .run();

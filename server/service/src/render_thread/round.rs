@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use tokio_util::sync::CancellationToken;
 use tyndall_render::{Prepared, RenderError, RenderOutcome};
 
+use super::effort::Effort;
 use super::readiness::Readiness;
 use super::refusal::{Loss, is_loss, refuse, unread};
 use super::seat::{Flight, Seat};
@@ -18,6 +19,13 @@ use crate::telemetry;
 
 /// Rest between looks at what is still being worked on.
 const POLL_EVERY: Duration = Duration::from_millis(1);
+
+/// What a frame of a moving picture takes.
+const GPU_BUDGET: Duration = Duration::from_millis(33);
+const SOFTWARE_BUDGET: Duration = Duration::from_millis(100);
+/// What a pixel may take before any was measured. Unit: s.
+const GPU_PIXEL: f64 = 5e-9;
+const SOFTWARE_PIXEL: f64 = 1.5e-6;
 
 /// Everything the thread owns.
 pub(super) struct RenderThread<B: Backend> {
@@ -32,6 +40,8 @@ pub(super) struct RenderThread<B: Backend> {
     /// Who is asked first, so that everyone is once.
     pub(super) turn: usize,
     pub(super) software: bool,
+    /// What a frame of a moving picture may take; by the kind of device without one.
+    pub(super) frame_budget: Option<Duration>,
     pub(super) device_errors: u32,
 }
 
@@ -62,6 +72,7 @@ impl<B: Backend> RenderThread<B> {
         };
         let looked_after = backend.poll();
         self.note(looked_after)?;
+        self.go_on()?;
         if !self.collect() && !submitted {
             // Frames are on the device: block for the oldest, or rest if that returned nothing.
             let waited = self.wait_for_oldest();
@@ -87,13 +98,24 @@ impl<B: Backend> RenderThread<B> {
         }
         for session in list {
             if !self.seats.iter().any(|seat| seat.session.id == session.id) {
-                self.seats.push(Seat::new(session));
+                let effort = self.effort();
+                self.seats.push(Seat::new(session, effort));
             }
         }
         for seat in &mut self.seats {
             let wish = seat.session.wish();
             seat.forget_other_wishes(&wish);
         }
+    }
+
+    /// What a picture may cost of which nothing is known yet.
+    fn effort(&self) -> Effort {
+        let (budget, per_pixel) = if self.software {
+            (SOFTWARE_BUDGET, SOFTWARE_PIXEL)
+        } else {
+            (GPU_BUDGET, GPU_PIXEL)
+        };
+        Effort::new(self.frame_budget.unwrap_or(budget), per_pixel)
     }
 
     /// Whether frames are on the device.
@@ -147,10 +169,20 @@ impl<B: Backend> RenderThread<B> {
         };
         let now = Instant::now();
         let wish = seat.session.wish();
+        // A long frame of a picture at rest makes room for a picture that changes.
+        if seat.flight.as_ref().is_some_and(|flight| !flight.moving)
+            && seat.shows_another(&wish)
+            && let Some(picture) = &mut seat.picture
+            && backend.abandon(&mut picture.view)
+            && let Some(flight) = seat.flight.take()
+        {
+            lock(&seat.session.pacing).discard(flight.frame_id);
+        }
         // One frame on the device at a time: a second one would show an older camera.
         if !wish.watched || seat.refuses(&wish) || seat.flight.is_some() {
             return Ok(false);
         }
+        seat.effort.climb(now);
         if is_finished(backend, seat) && !seat.has_changed(&wish) && !wish.playing {
             seat.answer_again(&wish, now);
             return Ok(false);
@@ -172,6 +204,9 @@ impl<B: Backend> RenderThread<B> {
             wish
         };
         seat.asked = Some(wish.clone());
+        if seat.shows_another(&wish) {
+            seat.effort.change(now);
+        }
         let wish = match show(backend, seat, &wish)? {
             Prepared::Ready => wish,
             Prepared::Pending => {
@@ -201,6 +236,7 @@ impl<B: Backend> RenderThread<B> {
                     frame_id,
                     wish,
                     began: now,
+                    moving: seat.effort.tracing().is_some(),
                 });
                 Ok(true)
             }
@@ -210,6 +246,23 @@ impl<B: Backend> RenderThread<B> {
             }
             RenderOutcome::Busy => Ok(false),
         }
+    }
+
+    /// Submits the next parts of frames that are submitted in parts.
+    fn go_on(&mut self) -> Result<(), Loss> {
+        let Some(backend) = &mut self.backend else {
+            return Ok(());
+        };
+        for seat in &mut self.seats {
+            if seat.flight.is_some()
+                && let Some(picture) = &mut seat.picture
+                && let Err(error) = backend.go_on(&mut picture.view)
+            {
+                let caller = Some(seat.session.id);
+                return Err(Loss { error, caller });
+            }
+        }
+        Ok(())
     }
 
     /// Blocks until the frame that was begun first is finished, and no longer.
@@ -238,7 +291,7 @@ impl<B: Backend> RenderThread<B> {
             };
             while let Some(taken) = take(seat) {
                 any = true;
-                let frame = match taken {
+                let mut frame = match taken {
                     Ok(frame) => frame,
                     Err(failed) => {
                         unread(seat, &failed);
@@ -251,6 +304,10 @@ impl<B: Backend> RenderThread<B> {
                     continue;
                 };
                 seat.unread = None;
+                let full = seat.full_size(&flight.wish);
+                seat.effort.measured(&frame, full);
+                // A picture is finished in its full size.
+                frame.converged &= (frame.width, frame.height) == full;
                 seat.tried = seat.suspect.take().or(seat.tried.take());
                 self.encoders.submit(Job {
                     session: Arc::clone(&seat.session),
@@ -285,7 +342,13 @@ impl<B: Backend> RenderThread<B> {
             let preparing = seat.preparing.then_some(soon);
             preparing.or_else(|| lock(&seat.session.pacing).next_deadline())
         });
-        self.sessions.bell.wait(deadline.min());
+        let climbing = self.seats.iter().filter_map(|seat| {
+            let wish = seat.session.wish();
+            let reduced = seat.effort.is_reduced(seat.full_size(&wish));
+            let watched = wish.watched && !seat.refuses(&wish) && seat.suspect.is_none();
+            seat.effort.climbs_at().filter(|_| reduced && watched)
+        });
+        self.sessions.bell.wait(deadline.chain(climbing).min());
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::effort::Effort;
 use super::fit::Fit;
 use crate::bell::lock;
 use crate::session::{Session, Wish};
@@ -12,8 +13,10 @@ pub(super) struct Picture<V> {
     pub(super) view: V,
     /// What it shows.
     pub(super) shown: Wish,
-    /// Its size, smaller than the wish's where memory is short. Unit: pixel.
+    /// Its size, smaller than at rest while it moves. Unit: pixel.
     pub(super) size: (u32, u32),
+    /// Its size at rest, smaller than the wish's where memory is short. Unit: pixel.
+    pub(super) full: (u32, u32),
 }
 
 /// A frame on the device.
@@ -22,6 +25,8 @@ pub(super) struct Flight {
     /// What the frame shows.
     pub(super) wish: Wish,
     pub(super) began: Instant,
+    /// Whether the picture was moving: its frame is short and is not dropped for a newer one.
+    pub(super) moving: bool,
 }
 
 /// A session's place at the device.
@@ -39,6 +44,8 @@ pub(super) struct Seat<V> {
     pub(super) preparing: bool,
     /// The smaller size that the picture got, and the wish it belongs to.
     pub(super) fit: Option<Fit>,
+    /// What a frame may cost while the picture moves.
+    pub(super) effort: Effort,
     /// A wish whose frame was one of several on a lost device: its next frame has the device alone.
     pub(super) suspect: Option<Wish>,
     /// A wish that was suspect and whose frame came back when it had the device alone.
@@ -48,7 +55,7 @@ pub(super) struct Seat<V> {
 }
 
 impl<V> Seat<V> {
-    pub(super) fn new(session: Arc<Session>) -> Self {
+    pub(super) fn new(session: Arc<Session>, effort: Effort) -> Self {
         Self {
             session,
             picture: None,
@@ -58,6 +65,7 @@ impl<V> Seat<V> {
             refused: None,
             preparing: false,
             fit: None,
+            effort,
             suspect: None,
             tried: None,
             unread: None,
@@ -97,10 +105,21 @@ impl<V> Seat<V> {
         refused.is_some_and(|refused| same_picture(refused, wish))
     }
 
-    /// The size that the wish gets. Unit: pixel.
-    pub(super) fn size_for(&self, wish: &Wish) -> (u32, u32) {
+    /// The size that the wish gets at rest. Unit: pixel.
+    pub(super) fn full_size(&self, wish: &Wish) -> (u32, u32) {
         let fit = self.fit.as_ref().filter(|fit| fit.serves(wish));
         fit.map_or((wish.width, wish.height), |fit| fit.size)
+    }
+
+    /// The size that the wish gets at present. Unit: pixel.
+    pub(super) fn size_for(&self, wish: &Wish) -> (u32, u32) {
+        self.effort.size(self.full_size(wish))
+    }
+
+    /// Whether the picture shows another state of the scene than the wish's, or is of another full size.
+    pub(super) fn shows_another(&self, wish: &Wish) -> bool {
+        let picture = self.picture.as_ref();
+        picture.is_none_or(|picture| !same_picture(&picture.shown, wish))
     }
 
     /// Whether the picture is not the wish's.

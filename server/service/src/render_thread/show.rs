@@ -17,12 +17,12 @@ pub(super) fn show<B: Backend>(
     seat: &mut Seat<B::View>,
     wish: &Wish,
 ) -> Result<Prepared, RenderError> {
-    let before = seat.picture.as_ref().map(|picture| picture.size);
+    let before = seat.picture.as_ref().map(|picture| picture.full);
     let mut reductions = 0;
-    let size = loop {
+    loop {
         let size = seat.size_for(wish);
         let (needed, allowed) = match bring(backend, seat, wish, size) {
-            Ok(Prepared::Ready) => break size,
+            Ok(Prepared::Ready) => break,
             Ok(Prepared::Pending) => {
                 seat.preparing = true;
                 return Ok(Prepared::Pending);
@@ -36,11 +36,16 @@ pub(super) fn show<B: Backend>(
         };
         reductions += 1;
         seat.fit = Some(Fit::new(wish, next));
-    };
+    }
     seat.preparing = false;
     seat.refused = None;
-    if size != (wish.width, wish.height) && before != Some(size) {
-        tell_smaller(seat, wish, size);
+    let full = seat.full_size(wish);
+    if let Some(picture) = &mut seat.picture {
+        picture.full = full;
+        backend.trace_within(&mut picture.view, seat.effort.tracing());
+    }
+    if full != (wish.width, wish.height) && before != Some(full) {
+        tell_smaller(seat, wish, full);
     }
     Ok(Prepared::Ready)
 }
@@ -79,6 +84,7 @@ fn bring<B: Backend>(
             view,
             shown: wish.clone(),
             size,
+            full: size,
         })
     };
     seat.session.outbox.set_plan(backend.plan(&picture.view));

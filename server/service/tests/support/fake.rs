@@ -283,6 +283,16 @@ impl Backend for Fake {
         Ok(RenderOutcome::Submitted)
     }
 
+    fn go_on(&mut self, _view: &mut FakeView) -> Result<(), RenderError> {
+        Ok(())
+    }
+
+    fn abandon(&mut self, _view: &mut FakeView) -> bool {
+        false
+    }
+
+    fn trace_within(&mut self, _view: &mut FakeView, _budget: Option<Duration>) {}
+
     fn poll(&mut self) -> Result<(), RenderError> {
         self.call()
     }

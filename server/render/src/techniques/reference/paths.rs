@@ -129,12 +129,16 @@ impl Pass for TraceSlice {
         let Some(slice) = parts.share.slice else {
             return Ok(());
         };
+        // A slice is as long as a dispatch may be.
+        recording.end_part();
         recording.compute(
             PASS.name(),
             planned.program(),
             &planned.constants(parts),
             &planned.bindings(parts)?,
             Size::from(slice.invocations(parts.size()[0])),
-        )
+        )?;
+        recording.end_part();
+        Ok(())
     }
 }
