@@ -11,6 +11,7 @@ mod conventions_recipes;
 mod conventions_test_files;
 mod correction;
 mod engine;
+mod glossy_surfaces;
 mod import_pm_ref;
 mod noop_pipelines;
 mod optical_depth;

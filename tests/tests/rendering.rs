@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 use tyndall_quality::relative_rmse_trim;
-use tyndall_render::{RenderError, RenderOutcome, approximations};
+use tyndall_render::{RenderError, RenderOutcome};
 use tyndall_scene::{ShadowMode, StopRule, Technique, presets};
 use tyndall_tests::gpu;
 
@@ -400,32 +400,4 @@ fn a_refused_update_leaves_the_view_as_it_was() {
     renderer.update_view(&mut view, Arc::new(scene)).unwrap();
     let after = renderer.render_still(&mut view, |_| {}).unwrap();
     assert_eq!(before.radiance, after.radiance);
-}
-
-#[test]
-fn a_material_with_only_a_normal_map_is_rendered_and_the_map_is_mentioned() {
-    let mut renderer = gpu::renderer();
-    let mut scene = small_preset("cornell_fog", 24, 16, 1);
-    let mut geometry = (*scene.geometry.0).clone();
-    let surfaces = Arc::make_mut(&mut geometry.surfaces);
-    surfaces.textures.push(tyndall_scene::Texture {
-        name: "bumps".into(),
-        width: 1,
-        height: 1,
-        pixels: vec![128, 128, 255, 255],
-        color_space: tyndall_scene::ColorSpace::Linear,
-        wrap: [tyndall_scene::Wrap::Repeat; 2],
-    });
-    surfaces.materials[0].normal_texture = Some(tyndall_scene::TextureRef {
-        texture: 0,
-        texcoord_set: 0,
-        uv_transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-    });
-    scene.geometry = tyndall_scene::SharedGeometry(Arc::new(geometry));
-    assert!(
-        approximations(&scene)
-            .iter()
-            .any(|text| text.contains("normal map"))
-    );
-    gpu::render(&mut renderer, scene);
 }

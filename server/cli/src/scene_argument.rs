@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use clap::Args;
-use tyndall_render::{DeviceOptions, approximations};
+use tyndall_render::DeviceOptions;
 use tyndall_scene::description::render::{CorrectionMode, Technique};
 use tyndall_scene::{Loaded, presets};
 
@@ -42,9 +42,6 @@ pub fn load(name: &str) -> anyhow::Result<Loaded> {
     };
     for warning in &loaded.warnings {
         tracing::warn!("{name}: {warning}");
-    }
-    for remark in approximations(&loaded.scene) {
-        tracing::warn!("{name}: {remark}");
     }
     Ok(loaded)
 }

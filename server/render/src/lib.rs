@@ -34,6 +34,6 @@ pub use plan::plan;
 pub use prepare::Prepared;
 pub use renderer::{RenderOutcome, Renderer};
 pub use still::{Still, StillProgress};
-pub use supported::{approximations, check_supported};
+pub use supported::check_supported;
 pub use techniques::{Claim, Paths, Rung, claim, ladder};
 pub use view::View;

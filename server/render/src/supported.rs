@@ -24,9 +24,3 @@ pub fn check_supported(scene: &Scene) -> Result<(), NotRenderedYet> {
         Err(NotRenderedYet { fields })
     }
 }
-
-/// What a scene asks for that is rendered in a simpler form: said aloud, never ignored.
-pub fn approximations(scene: &Scene) -> Vec<String> {
-    techniques::of(scene.render.technique)
-        .map_or_else(Vec::new, |technique| technique.approximations(scene))
-}

@@ -22,6 +22,8 @@ pub struct SceneFacts {
     pub instances: usize,
     /// Textures of base colour and emission in use.
     pub textures: usize,
+    /// Materials that are metallic or glossy somewhere, used or not.
+    pub glossy_materials: usize,
     /// Metallic-roughness and normal maps in use.
     pub data_textures: usize,
     /// Instances whose material has an alpha cutoff.
@@ -110,6 +112,11 @@ pub fn facts(scene: &Scene) -> SceneFacts {
         triangles: geometry.instances.iter().map(triangles).sum(),
         instances: geometry.instances.len(),
         textures: used_textures(geometry, |m| [m.base_color_texture, m.emission_texture]).len(),
+        glossy_materials: geometry
+            .materials
+            .iter()
+            .filter(|m| !m.is_diffuse())
+            .count(),
         data_textures: used_textures(geometry, |m| {
             [m.metallic_roughness_texture, m.normal_texture]
         })

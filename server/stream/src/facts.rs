@@ -64,6 +64,7 @@ impl From<&tyndall_scene::SceneFacts> for Facts {
             bounds: _,
             surface_bounds: _,
             swept_bounds: _,
+            glossy_materials: _,
         } = *facts;
         Self {
             triangles,

@@ -213,8 +213,8 @@ impl Pool {
                 None => (make(), spec.previous.map(|_| make())),
             },
             Life::Frame => {
-                let there = in_slot(made, &wanted)
-                    .or_else(|| self.for_a_frame(&wanted, before, shares));
+                let there =
+                    in_slot(made, &wanted).or_else(|| self.for_a_frame(&wanted, before, shares));
                 let memory = there.unwrap_or_else(|| {
                     let memory = make().memory;
                     if shares {

@@ -1,6 +1,6 @@
 //! Materials as the shaders read them.
 
-use tyndall_scene::{Geometry, Material, TextureRef, Wrap};
+use tyndall_scene::{Geometry, TextureRef, Wrap};
 use tyndall_shaders::types::{self, NO_TEXTURE, TextureSlot};
 
 use super::TextureArrays;
@@ -40,7 +40,7 @@ pub(crate) fn material_values(
             metallic: material.metallic,
             roughness: material.roughness,
             normal_scale: material.normal_scale,
-            diffuse_only: is_diffuse(material).into(),
+            diffuse_only: material.is_diffuse().into(),
             metallic_roughness_slot: slot(
                 source,
                 data,
@@ -50,13 +50,6 @@ pub(crate) fn material_values(
             ..Default::default()
         })
         .collect()
-}
-
-/// Whether a material is an ideal diffuser: neither metallic nor glossy anywhere.
-fn is_diffuse(material: &Material) -> bool {
-    material.metallic <= 0.0
-        && material.roughness >= 1.0
-        && material.metallic_roughness_texture.is_none()
 }
 
 fn slot(

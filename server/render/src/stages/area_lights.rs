@@ -5,7 +5,7 @@
 //! Fajardo 2012), collisions and ratio tracking in grids (Woodcock 1965; Novák et al. 2014), joined by
 //! the balance heuristic (Veach and Guibas 1995).
 //! Transports the part of orders 0 and 1 of the partition that `surfaces` and `single_scattering` leave
-//! out: area lights on Lambertian surfaces and in the media. Bias: none; every frame is a sample of the
+//! out: area lights on surfaces and in the media. Bias: none; every frame is a sample of the
 //! running mean. Cost: a shadow ray for each of the strata a kind of light and medium, half as many
 //! where media without grids scatter emitters' light, and up to three on the surface.
 
@@ -88,6 +88,7 @@ pub(crate) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer>
     let permutation = Permutation::of("area_lights")
         .with_if(surfaces, "surfaces")
         .with_if(surfaces && facts.textures > 0, "textured")
+        .with_if(surfaces && facts.glossy_materials > 0, "glossy")
         .with_if(facts.grids > 0, "grids")
         .with_if(facts.environment_map, "environment_map");
     let sky = match (facts.environment, facts.environment_map) {

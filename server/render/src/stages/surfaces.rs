@@ -1,9 +1,9 @@
 //! What the camera sees: the G-buffer by rasterization, and its direct light.
 //!
-//! Transports order 0 of the partition: emission and direct light of Lambertian surfaces, attenuated
+//! Transports order 0 of the partition: emission and direct light of surfaces, attenuated
 //! along both legs through the sum of all analytic media (closed forms). Bias: shadow maps only.
 
-use tyndall_scene::{Scene, SceneFacts};
+use tyndall_scene::SceneFacts;
 
 use crate::engine::{
     ColorTarget, DepthTarget, Permutation, RasterDraw, RasterPass, RasterState, Recording,
@@ -39,12 +39,12 @@ pub(crate) fn depth(facts: &SceneFacts) -> ResourceSpec {
     drawn_or_empty(DEPTH, facts)
 }
 
-/// Linear base colour of what the camera sees.
+/// Linear base colour of what the camera sees, and its roughness.
 pub(crate) fn base_color(facts: &SceneFacts) -> ResourceSpec {
     drawn_or_empty(BASE_COLOR, facts)
 }
 
-/// Unit normal of what the camera sees, toward it.
+/// Unit normal of what the camera sees, toward it, and how metallic it is.
 pub(crate) fn normal(facts: &SceneFacts) -> ResourceSpec {
     drawn_or_empty(NORMAL, facts)
 }
@@ -58,31 +58,6 @@ fn drawn_or_empty(spec: ResourceSpec, facts: &SceneFacts) -> ResourceSpec {
     }
 }
 
-/// What of the surfaces is rendered in a simpler form.
-pub(crate) fn approximations(scene: &Scene) -> Vec<String> {
-    let materials = &scene.geometry.materials;
-    let normal_mapped = materials
-        .iter()
-        .filter(|m| m.normal_texture.is_some())
-        .count();
-    let glossy = materials
-        .iter()
-        .filter(|m| m.metallic > 0.0 || m.roughness < 1.0 || m.metallic_roughness_texture.is_some())
-        .count();
-    let mut found = Vec::new();
-    if normal_mapped > 0 {
-        found.push(format!(
-            "{normal_mapped} materials have normal maps, which are not rendered yet"
-        ));
-    }
-    if glossy > 0 {
-        found.push(format!(
-            "{glossy} materials are metallic or glossy and are shaded as Lambertian for now"
-        ));
-    }
-    found
-}
-
 /// Plans the G-buffer.
 pub(crate) fn plan_gbuffer(plan: &mut FramePlan, input: &PlanInput<'_>) {
     let facts = input.facts;
@@ -90,7 +65,7 @@ pub(crate) fn plan_gbuffer(plan: &mut FramePlan, input: &PlanInput<'_>) {
     if facts.triangles > 0 {
         let permutation = Permutation::of("gbuffer")
             .with_if(emissive, "emissive")
-            .with_if(facts.textures > 0, "textured");
+            .with_if(facts.textures + facts.data_textures > 0, "textured");
         let targets = [DEPTH.drawn(), BASE_COLOR.drawn(), NORMAL.drawn()];
         plan.run(
             NewPass::new(
@@ -125,6 +100,7 @@ pub(crate) fn plan_shade(plan: &mut FramePlan, input: &PlanInput<'_>) {
     let facts = input.facts;
     let emissive = facts.emissive_triangles > 0;
     let permutation = Permutation::of("shade")
+        .with_if(facts.glossy_materials > 0, "glossy")
         .with_if(emissive, "emissive")
         .with_if(facts.media > 0, "media");
     let permutation = input

@@ -17,9 +17,6 @@ pub(crate) trait Technique: Sync {
     /// What of a scene it cannot render: JSON paths with a remark each.
     fn unsupported(&self, scene: &Scene) -> Vec<String>;
 
-    /// What of a scene it renders in a simpler form.
-    fn approximations(&self, scene: &Scene) -> Vec<String>;
-
     /// Why the device cannot run it, if so.
     fn device_refusal(&self, facts: &SceneFacts, limits: PlanLimits) -> Option<String> {
         let _ = (facts, limits);

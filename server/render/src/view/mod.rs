@@ -23,8 +23,8 @@ use crate::stages::shadow_maps::ShadowMaps;
 use crate::stages::{estimate, film};
 use crate::techniques::reference::paths;
 use scene_state::Maker;
-use under_way::UnderWay;
 pub(crate) use scene_state::{SceneState, constants, need_geometry};
+use under_way::UnderWay;
 
 /// Surfaces beyond are not found under a place of the picture. Unit: m.
 const MOST_DISTANCE: f32 = 1e30;

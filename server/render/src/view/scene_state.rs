@@ -62,7 +62,9 @@ impl Maker<'_> {
         let accesses: Vec<&[Access]> = plan.passes.iter().map(|p| p.accesses.as_slice()).collect();
         let earlier = before.map(|before| &before.resources);
         let is_cut = self.limits.in_parts && is_long(device, &plan, self.size);
-        let resources = self.pool.fit(device, &accesses, self.size, earlier, !is_cut)?;
+        let resources = self
+            .pool
+            .fit(device, &accesses, self.size, earlier, !is_cut)?;
         let kinds: Vec<KeptKind> = plan.passes.iter().flat_map(|p| p.keeps.clone()).collect();
         let preparation = Preparation {
             device,

@@ -252,6 +252,13 @@ pub struct Material {
     pub double_sided: bool,
 }
 
+impl Material {
+    /// Whether it is an ideal diffuser: neither metallic nor glossy anywhere.
+    pub fn is_diffuse(&self) -> bool {
+        self.metallic <= 0.0 && self.roughness >= 1.0 && self.metallic_roughness_texture.is_none()
+    }
+}
+
 impl Default for Material {
     fn default() -> Self {
         Self {

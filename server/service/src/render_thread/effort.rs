@@ -144,7 +144,9 @@ impl Effort {
         let found = micros * 1e-6 / pixels;
         let least = self.per_pixel / MOST_FALL;
         self.per_pixel = found.clamp(least, self.per_pixel * MOST_RISE).max(1e-12);
-        self.steps = (1..=STEPS).find(|steps| scaled(full, *steps) == shown).unwrap_or(self.steps);
+        self.steps = (1..=STEPS)
+            .find(|steps| scaled(full, *steps) == shown)
+            .unwrap_or(self.steps);
     }
 }
 

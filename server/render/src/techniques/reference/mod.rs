@@ -37,10 +37,6 @@ impl Technique for Reference {
         Vec::new()
     }
 
-    fn approximations(&self, _scene: &Scene) -> Vec<String> {
-        Vec::new()
-    }
-
     fn device_refusal(&self, _facts: &SceneFacts, limits: PlanLimits) -> Option<String> {
         let cap = limits.loop_cap?;
         Some(format!(

@@ -47,10 +47,6 @@ impl Technique for SingleScattering {
         }
     }
 
-    fn approximations(&self, scene: &Scene) -> Vec<String> {
-        surfaces::approximations(scene)
-    }
-
     fn plan(&self, input: &PlanInput<'_>, plan: &mut FramePlan) {
         visibility::plan(plan, input);
         surfaces::plan_gbuffer(plan, input);
