@@ -1,5 +1,6 @@
 /** The life of the page: connect, show pictures, send what the user does. */
 
+import { fitFieldOfView } from './camera/frame';
 import { CameraRig } from './camera/rig';
 import { Chrome, isSoftware } from './chrome';
 import { Connection } from './connection';
@@ -325,15 +326,19 @@ export class Application {
   private takeCamera(scene: SceneMessage, another: boolean): void {
     const pose = poseOf(scene.description.camera);
     const resumed = this.welcome?.resumed === true && this.kept?.sceneName === scene.name;
-    if (another && resumed && this.home === null) this.home = this.kept?.home ?? pose;
-    else this.home = pose;
-    this.rig.adopt(pose, this.home);
+    if (another && resumed && this.home === null) {
+      this.home = this.kept?.home ?? pose;
+      this.rig.adopt(pose, this.home);
+    } else {
+      this.home = fitFieldOfView(pose, this.canvas.clientWidth / this.canvas.clientHeight);
+      this.rig.adopt(this.home);
+    }
     if (another) {
       this.debug.mode = null;
       this.steering.opened(resumed ? (this.kept?.mode ?? null) : null);
       this.darkness.reset();
     }
-    this.sentPose = this.rig.current;
+    this.sentPose = pose;
   }
 
   private presetName(scene: SceneMessage): string | null {

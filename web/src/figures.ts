@@ -28,7 +28,7 @@ export class Figures {
     this.rate.textContent = rateText(framesPerSecond, header);
     const { estimatedError } = header;
     this.error.textContent =
-      estimatedError === null ? '' : `± ${significant(estimatedError * 100, 2)} %`;
+      estimatedError === null ? '' : `${significant(estimatedError * 100, 2)} % error`;
   }
 }
 

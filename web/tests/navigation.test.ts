@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { aimAt, placeInPicture } from '../src/camera/aim';
 import { Follower } from '../src/camera/follower';
-import { framing } from '../src/camera/frame';
+import { fitFieldOfView, framing } from '../src/camera/frame';
 import { basis, reach } from '../src/camera/pose';
 import { CameraRig, NO_KEYS } from '../src/camera/rig';
 import type { Vec3 } from '../src/camera/vec';
@@ -143,6 +143,16 @@ describe('frame all', () => {
         expect(Math.abs(dot(way, right))).toBeLessThanOrEqual(depth * tan * aspect + 1e-9);
       }
     }
+  });
+
+  it('an upright picture is as wide as it would be high, within reason', () => {
+    expect(fitFieldOfView(START, 1.5)).toBe(START);
+    const tan = (degrees: number) => Math.tan((degrees / 360) * Math.PI);
+    const upright = fitFieldOfView(START, 0.8).vertical_fov_degrees;
+    expect(tan(upright) * 0.8).toBeCloseTo(tan(60), 9);
+    expect(fitFieldOfView(START, 0.3).vertical_fov_degrees).toBe(100);
+    const wide = { ...START, vertical_fov_degrees: 120 };
+    expect(fitFieldOfView(wide, 0.3).vertical_fov_degrees).toBe(120);
   });
 
   it('stays inside surfaces that surround the camera', () => {

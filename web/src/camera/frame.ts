@@ -42,3 +42,15 @@ function outward(home: CameraPose): Vec3 {
   const kept = Math.min(HIGHEST, Math.max(LOWEST, elevation));
   return add(scale(level, Math.cos(kept)), scale(up, Math.sin(kept)));
 }
+
+/** A phone held upright would see a narrow strip: as wide then as it was high, but no wider than this. */
+const WIDEST_DEGREES = 100;
+
+/** The pose with a field of view that suits a picture with this ratio of width to height. */
+export function fitFieldOfView(pose: CameraPose, aspect: number): CameraPose {
+  if (!(aspect > 0) || aspect >= 1) return pose;
+  const tan = Math.tan((pose.vertical_fov_degrees / 360) * Math.PI);
+  const wider = (Math.atan(tan / aspect) / Math.PI) * 360;
+  const degrees = Math.max(pose.vertical_fov_degrees, Math.min(WIDEST_DEGREES, wider));
+  return { ...pose, vertical_fov_degrees: degrees };
+}

@@ -60,7 +60,7 @@ fn presets_are_steered_as_what_they_are() {
         ("light_shafts", Navigation::Look),
         ("cornell_fog", Navigation::Orbit),
         ("street_night", Navigation::Look),
-        ("swinging_lamp", Navigation::Orbit),
+        ("swinging_lamp", Navigation::Look),
         ("smoke_plume", Navigation::Orbit),
         ("cloud", Navigation::Orbit),
     ];
