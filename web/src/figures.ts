@@ -26,10 +26,14 @@ export class Figures {
   show(header: FrameHeader | null, framesPerSecond: number): void {
     if (header === null) return;
     this.rate.textContent = rateText(framesPerSecond, header);
-    const { estimatedError } = header;
-    this.error.textContent =
-      estimatedError === null ? '' : `${significant(estimatedError * 100, 2)} % error`;
+    this.error.textContent = errorText(header.estimatedError);
   }
+}
+
+/** A picture just begun is not known at all: how far beyond that means nothing. */
+function errorText(error: number | null): string {
+  if (error === null) return '';
+  return error >= 1 ? '> 99 % error' : `${significant(error * 100, 2)} % error`;
 }
 
 export function rateText(framesPerSecond: number, header: FrameHeader): string {

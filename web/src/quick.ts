@@ -29,7 +29,7 @@ export class Quick {
   private factor = 1;
 
   constructor(
-    root: HTMLElement,
+    private readonly root: HTMLElement,
     private readonly events: QuickEvents,
   ) {
     this.scene.addEventListener('change', () => {
@@ -57,15 +57,16 @@ export class Quick {
     this.scene.title = current?.summary ?? '';
     this.density.row.hidden = draft.description.media.length === 0;
     this.refresh();
+    this.root.hidden = false;
   }
 
   /** Shows what the draft holds. */
   refresh(): void {
     if (this.draft === null) return;
     const position = positionFromValue(this.factor, DENSITY);
-    set(this.density, position * STEPS, `${compact(this.factor)} ×`);
+    set(this.density, position * STEPS, `${compact(this.factor)} ×`, '');
     const ev = this.draft.description.camera.exposure_ev;
-    set(this.exposure, ev, `${ev > 0 ? '+' : ''}${ev.toFixed(1).replace('-', '−')} EV`);
+    set(this.exposure, ev, `${ev > 0 ? '+' : ''}${ev.toFixed(1).replace('-', '−')}`, ' EV');
   }
 
   private setDensity(): void {
@@ -110,9 +111,10 @@ function slider(name: string, min: number, max: number, step: number): Slider {
   return { row, input, value };
 }
 
-function set({ input, value }: Slider, position: number, text: string): void {
+/** The unit is spoken; a phone has no room to show it. */
+function set({ input, value }: Slider, position: number, text: string, unit: string): void {
   input.value = String(position);
-  input.setAttribute('aria-valuetext', text);
+  input.setAttribute('aria-valuetext', text + unit);
   const { min, max } = input;
   const share = (Number(input.value) - Number(min)) / (Number(max) - Number(min));
   input.style.setProperty('--fill', `${share * 100}%`);

@@ -14,7 +14,7 @@ const AROUND: usize = 64;
 /// Share of the picture that a surface right in front of the eye covers.
 const COVERS: f64 = 0.8;
 /// What is right in front of the eye, in margins that a step keeps.
-const NEAR_MARGINS: f64 = 2.0;
+const NEAR_MARGINS: f64 = 1.5;
 /// Beyond this a ray meets nothing. Unit: m.
 const FARTHEST: f64 = 1e7;
 

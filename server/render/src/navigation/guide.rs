@@ -10,7 +10,7 @@ use super::overview::{Stand, overview};
 use super::pick::{Picked, pick};
 use super::pivot::pivot;
 use super::solids::Solids;
-use super::step::walk;
+use super::step::{turn, walk};
 use crate::error::RenderError;
 
 /// What a page is told about steering through a scene.
@@ -73,6 +73,12 @@ impl Guide {
     /// still leave. Takes a few µs. Unit: m.
     pub fn walk(&self, from: DVec3, to: DVec3) -> DVec3 {
         walk(&self.solids, from, to)
+    }
+
+    /// [`Self::walk`] of an eye that turns about a pivot: on what it slides along it keeps its distance, so
+    /// that an orbit that comes down to the ground goes on around. Unit: m.
+    pub fn turn(&self, from: DVec3, to: DVec3, pivot: DVec3) -> DVec3 {
+        turn(&self.solids, from, to, pivot)
     }
 
     /// What the scene's camera sees at a place of a picture with this ratio of width to height; the place

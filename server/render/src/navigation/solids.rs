@@ -11,9 +11,9 @@ use crate::error::RenderError;
 use crate::gpu_scene::{CpuBvh, CpuHit};
 
 /// How near a step leads to a surface, as a share of the scene's diagonal.
-const MARGIN: f64 = 0.006;
+const MARGIN: f64 = 0.012;
 /// The largest such margin. Unit: m.
-const LARGEST_MARGIN: f64 = 0.25;
+const LARGEST_MARGIN: f64 = 0.4;
 
 /// Surfaces that no keyframes move.
 #[derive(Debug)]

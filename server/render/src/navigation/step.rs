@@ -11,6 +11,17 @@ const LOOK_AHEAD: f64 = 12.0;
 /// Steps that lead farther away than any scene reaches are left to the camera's own rules. Unit: m.
 const FARTHEST: f64 = 1e7;
 
+/// Where an eye ends that turns about a pivot: what it slides along leads it back to its distance. Unit: m.
+pub(super) fn turn(solids: &Solids, from: DVec3, to: DVec3, pivot: DVec3) -> DVec3 {
+    let at = walk(solids, from, to);
+    let reach = to.distance(pivot);
+    let outward = (at - pivot).normalize_or_zero();
+    if at == to || outward == DVec3::ZERO {
+        return at;
+    }
+    walk(solids, at, pivot + outward * reach)
+}
+
 /// Where an eye ends that wants to go from one place straight to another. Unit: m.
 pub(super) fn walk(solids: &Solids, from: DVec3, to: DVec3) -> DVec3 {
     let margin = solids.margin();

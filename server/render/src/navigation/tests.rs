@@ -229,6 +229,31 @@ fn a_step_stops_before_a_wall_slides_along_it_and_may_leave_it() {
 }
 
 #[test]
+fn an_orbit_that_comes_down_to_the_ground_goes_on_around() {
+    let model = json!([ground(50.0), block([-1.0, 0.0, -1.0], [1.0, 2.0, 1.0])]);
+    let guide = guide_of(&scene([0.0, 2.0, 8.0], [0.0, 1.0, 0.0], &model, &json!([])));
+    let pivot = DVec3::new(0.0, 1.0, 0.0);
+    let mut at = DVec3::new(0.0, 2.0, 8.0);
+    let reach = at.distance(pivot);
+    for _ in 0..200 {
+        // Down and to the right, as a drag does.
+        let way = at - pivot;
+        let down = way.cross(DVec3::Y).normalize_or(DVec3::X);
+        let turned =
+            glam::DQuat::from_rotation_y(0.01) * glam::DQuat::from_axis_angle(down, -0.01) * way;
+        at = guide.turn(
+            at,
+            pivot + turned.normalize_or(DVec3::X) * at.distance(pivot),
+            pivot,
+        );
+        assert!(at.y > 0.9 * guide.margin(), "below the ground: {at}");
+    }
+    assert!(at.y < 0.1, "{at}");
+    assert!((at.distance(pivot) - reach).abs() < 0.1 * reach, "{at}");
+    assert!(at.x.abs() > 5.0, "it stood still: {at}");
+}
+
+#[test]
 fn no_walk_leaves_a_closed_room() {
     let guide = guide_of(&scene(
         [0.0, 1.6, 3.0],

@@ -17,6 +17,8 @@ use crate::session::Session;
 
 /// A view closer to the vertical than this has no left and right. Sine of the angle.
 const LEAST_SINE: f64 = 1e-3;
+/// A step that keeps the distance to a target that stays, to this share of it, turns about it.
+const SAME_DISTANCE: f64 = 1e-6;
 /// Steps that end this near to where they were meant to were not stopped. Unit: share of the way.
 const ARRIVED: f64 = 1e-9;
 
@@ -73,7 +75,16 @@ impl Steering {
         let shown = self.session.wish().scene.camera;
         let wished = update.camera;
         let (from, to) = (shown.position, DVec3::from_array(wished.position));
-        let at = guide.walk(from, to);
+        let pivot = DVec3::from_array(wished.target);
+        let turns = pivot == shown.target && {
+            let (before, after) = (from.distance(pivot), to.distance(pivot));
+            (before - after).abs() <= SAME_DISTANCE * before
+        };
+        let at = if turns {
+            guide.turn(from, to, pivot)
+        } else {
+            guide.walk(from, to)
+        };
         if at.distance(to) <= ARRIVED * from.distance(to) {
             return None;
         }
