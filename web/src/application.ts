@@ -1,10 +1,13 @@
 /** The life of the page: connect, show pictures, send what the user does. */
 
+import { fitFieldOfView } from './camera/frame';
 import { CameraRig } from './camera/rig';
 import { Chrome, isSoftware } from './chrome';
 import { Connection } from './connection';
+import { DarknessWatch } from './darkness';
 import type { DebugState } from './debug';
 import { byId } from './dom';
+import { Figures } from './figures';
 import { FramePainter, type PaintedFrame } from './frames';
 import { CameraInput } from './input';
 import { LatencyTracker } from './latency';
@@ -14,6 +17,7 @@ import { field } from './panel/field';
 import { Panel, presetOf } from './panel/panel';
 import {
   type CameraDescription,
+  type CameraMessage,
   type CameraPose,
   type ClientMessage,
   type ErrorMessage,
@@ -22,11 +26,15 @@ import {
   type ServerMessage,
   type Welcome,
 } from './protocol.gen';
+import { Quick } from './quick';
 import { Rate } from './rate';
+import { RefusedDialog } from './refused';
 import { Restore } from './restore';
 import { keep, takeKept } from './resume';
 import { pictureSize, type ResolutionScale } from './size';
+import { Steering } from './steering';
 import { Toasts } from './toast';
+import { tokenOf, withToken } from './token';
 
 const RESIZE_DEBOUNCE_MILLIS = 150;
 const OVERLAY_MILLIS = 250;
@@ -44,9 +52,14 @@ const START_POSE: CameraPose = {
 
 export class Application {
   private readonly rig: CameraRig;
+  private readonly steering: Steering;
   private readonly panel: Panel;
+  private readonly quick: Quick;
   private readonly overlay: Overlay;
+  private readonly figures = new Figures(byId('figures'));
   private readonly chrome: Chrome;
+  private readonly darkness: DarknessWatch;
+  private readonly refusal: RefusedDialog;
   private readonly toasts = new Toasts(byId('toasts'));
   private readonly painter: FramePainter;
   private readonly connection: Connection;
@@ -77,21 +90,49 @@ export class Application {
   constructor(private readonly canvas: HTMLCanvasElement) {
     const motion = window.matchMedia('(prefers-reduced-motion: reduce)');
     this.rig = new CameraRig(START_POSE, () => motion.matches);
+    this.steering = new Steering(this.rig, {
+      send: (message) => this.connection.send(message),
+      onMode: (mode) => {
+        this.chrome.showMode(mode);
+        this.debug.mode = mode;
+        this.debug.navigation = this.steering.navigation;
+      },
+    });
     this.connection = new Connection(streamUrl(), {
       onOpen: () => this.hello(),
       onMessage: (message) => this.receive(message),
       onPicture: (message) => void this.painter.receive(message),
       onBroken: (reason) => this.complain(reason),
+      onFailed: () => void this.refusal.ask(),
+    });
+    this.refusal = new RefusedDialog({
+      onKnown: (refused) => {
+        if (refused) this.connection.refused();
+        else this.connection.admitted();
+      },
     });
     this.painter = new FramePainter(canvas, {
       onAcknowledge: (frame) => this.connection.send({ type: 'ack', frame }),
       onPainted: (frame) => this.painted(frame),
       onBroken: (reason) => this.complain(reason),
     });
-    this.overlay = new Overlay(byId('overlay'), () => this.chrome.toggleOverlay());
+    this.overlay = new Overlay(byId('overlay'));
+    const onHome = () => this.steering.goHome();
+    const onFrameAll = () => this.steering.frameAll(canvas.clientWidth / canvas.clientHeight);
     this.chrome = new Chrome({
-      onResetCamera: () => this.rig.goHome(),
+      onHome,
+      onFrameAll,
+      onNextMode: () => this.steering.nextMode(),
       onOverlay: (open) => this.overlay.setOpen(open),
+    });
+    this.chrome.showMode(this.rig.mode);
+    this.darkness = new DarknessWatch(byId('dark'), canvas, {
+      ask: (message) => void this.connection.send(message),
+      onHome,
+      onFrameAll,
+      onCause: (cause) => {
+        this.debug.darkness = cause;
+      },
     });
     const resolution = field<ResolutionScale>(
       () => this.resolution,
@@ -103,6 +144,11 @@ export class Application {
     this.panel = new Panel(byId('panel-body'), this.rig, resolution, {
       onEdit: (edit) => this.outbox.addEdit(edit),
       onPreset: (name) => this.openPreset(name),
+      onValues: () => this.quick.refresh(),
+    });
+    this.quick = new Quick(byId('quick'), {
+      onPreset: (name) => this.openPreset(name),
+      onChanged: () => this.panel.refresh(),
     });
     this.debug = window.__tyndall = {
       connection: 'connecting',
@@ -116,17 +162,21 @@ export class Application {
       latency: null,
       lastInput: 0,
       camera: null,
+      mode: null,
+      navigation: null,
+      darkness: null,
       errors: [],
       drop: () => this.connection.drop(),
     };
   }
 
   start(): void {
-    new CameraInput(this.canvas, this.rig);
+    new CameraInput(this.canvas, this.rig, (place) => this.steering.goTo(place));
     this.connection.state.watch((state) => {
       this.chrome.showState(state);
       this.debug.connection = state;
-      if (state !== 'connected') this.latency.reset();
+      if (state === 'connected') this.refusal.close();
+      else this.latency.reset();
     });
     document.addEventListener('visibilitychange', () => this.tellVisibility());
     window.addEventListener('pagehide', () => this.keepSession());
@@ -194,11 +244,25 @@ export class Application {
       case 'scene':
         this.showScene(message);
         break;
+      case 'navigation':
+        // The scene before may have been known late.
+        if (message.epoch === this.scene?.epoch) this.steering.advised(message);
+        break;
+      case 'camera':
+        this.stopped(message);
+        break;
+      case 'picked':
+        this.steering.picked(message);
+        break;
+      case 'darkness':
+        this.darkness.answered(message);
+        break;
       case 'plan':
         this.debug.plan = message.plan;
         break;
       case 'stats':
         this.debug.stats = message;
+        this.darkness.painted(message.mean_luminance);
         if (message.time_seconds !== undefined) this.panel.showTime(message.time_seconds);
         break;
       case 'notice':
@@ -223,7 +287,8 @@ export class Application {
     this.session = welcome.session;
     this.debug.welcome = welcome;
     this.debug.connections += 1;
-    this.chrome.showAdapter(welcome.adapter);
+    this.figures.showDevice(welcome.adapter);
+    this.steering.connected();
     this.requestSize();
     if (document.hidden) this.tellVisibility();
   }
@@ -253,6 +318,7 @@ export class Application {
     if (another || epochChanged || this.adoptCamera) this.takeCamera(scene, another);
     this.adoptCamera = false;
     this.panel.show(scene, presets);
+    if (this.panel.working !== null) this.quick.show(scene, presets, this.panel.working);
     this.panel.showCamera(this.rig.current);
     this.followDeepLink(presets.map(({ name }) => name));
   }
@@ -260,10 +326,19 @@ export class Application {
   private takeCamera(scene: SceneMessage, another: boolean): void {
     const pose = poseOf(scene.description.camera);
     const resumed = this.welcome?.resumed === true && this.kept?.sceneName === scene.name;
-    if (another && resumed && this.home === null) this.home = this.kept?.home ?? pose;
-    else this.home = pose;
-    this.rig.adopt(pose, this.home);
-    this.sentPose = this.rig.current;
+    if (another && resumed && this.home === null) {
+      this.home = this.kept?.home ?? pose;
+      this.rig.adopt(pose, this.home);
+    } else {
+      this.home = fitFieldOfView(pose, this.canvas.clientWidth / this.canvas.clientHeight);
+      this.rig.adopt(this.home);
+    }
+    if (another) {
+      this.debug.mode = null;
+      this.steering.opened(resumed ? (this.kept?.mode ?? null) : null);
+      this.darkness.reset();
+    }
+    this.sentPose = pose;
   }
 
   private presetName(scene: SceneMessage): string | null {
@@ -315,8 +390,10 @@ export class Application {
     this.lastTick = now;
     if (this.rig.tick(seconds, this.sentPose)) {
       this.sentPose = this.rig.current;
-      this.outbox.setCamera(this.sentPose);
+      this.outbox.setCamera(this.sentPose, !this.rig.takeThrough());
+      this.darkness.moved(now);
     }
+    this.darkness.tick(now);
     if (this.connection.state.value === 'connected') this.flush();
     if (now >= this.readoutDue) {
       this.readoutDue = now + READOUT_MILLIS;
@@ -336,9 +413,17 @@ export class Application {
       const motion = message.type === 'camera' || message.type === 'edit';
       if (motion) this.latency.sent(message.input, performance.now());
       if (message.type === 'edit') this.panel.editSent(message.input);
+      if (message.type === 'camera') this.steering.left(message.input, message.camera);
       this.debug.lastInput = message.input;
       return true;
     });
+  }
+
+  /** A surface stopped the eye: the page's camera follows. */
+  private stopped(message: CameraMessage): void {
+    if (!this.steering.stopped(message)) return;
+    this.sentPose = this.rig.current;
+    this.outbox.dropCamera();
   }
 
   private showPose(): void {
@@ -352,6 +437,7 @@ export class Application {
     this.byteRate.add(now, this.connection.bytesReceived - this.bytesSeen);
     this.bytesSeen = this.connection.bytesReceived;
     this.debug.latency = this.latency.summary();
+    this.figures.show(this.debug.lastHeader, this.frameRate.frequency(now));
     this.overlay.show({
       header: this.debug.lastHeader,
       stats: this.debug.stats,
@@ -374,6 +460,7 @@ export class Application {
       lastInput: this.outbox.newestInput,
       sceneName: this.scene.name,
       home: this.home,
+      mode: this.rig.mode,
     });
   }
 
@@ -386,11 +473,8 @@ export class Application {
 
 /** The stream beside the page, with the page's token if it has one. */
 function streamUrl(): string {
-  const url = new URL('v1/stream', location.href);
+  const url = withToken('v1/stream', location.href, tokenOf(location.search));
   url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
-  const token = new URLSearchParams(location.search).get('token');
-  url.search = token === null ? '' : `?token=${encodeURIComponent(token)}`;
-  url.hash = '';
   return url.href;
 }
 

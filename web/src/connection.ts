@@ -4,7 +4,7 @@ import { backoffMillis } from './backoff';
 import type { ClientMessage, ServerMessage } from './protocol.gen';
 import { Signal } from './store';
 
-export type ConnectionState = 'connecting' | 'connected' | 'reconnecting' | 'offline';
+export type ConnectionState = 'connecting' | 'connected' | 'reconnecting' | 'refused' | 'offline';
 
 /** Failed attempts in a row after which the page says "offline" instead of "reconnecting". */
 const OFFLINE_AFTER = 4;
@@ -16,6 +16,8 @@ export interface ConnectionEvents {
   onMessage(message: ServerMessage): void;
   onPicture(message: ArrayBuffer): void;
   onBroken(reason: string): void;
+  /** The socket closed before the server said welcome; the next attempt comes by itself. */
+  onFailed(): void;
 }
 
 export class Connection {
@@ -23,6 +25,7 @@ export class Connection {
   private socket: WebSocket | null = null;
   private failures = 0;
   private everConnected = false;
+  private welcomed = false;
   private retryTimer: ReturnType<typeof setTimeout> | undefined;
   private connectTimer: ReturnType<typeof setTimeout> | undefined;
   private received = 0;
@@ -49,6 +52,7 @@ export class Connection {
 
   open(): void {
     clearTimeout(this.retryTimer);
+    this.welcomed = false;
     const socket = new WebSocket(this.url);
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
@@ -74,6 +78,16 @@ export class Connection {
     if (this.socket === null) this.open();
   }
 
+  /** The server refuses this page, and said why. */
+  refused(): void {
+    if (this.state.value !== 'connected') this.state.set('refused');
+  }
+
+  /** The server would let this page in: what fails is something else. */
+  admitted(): void {
+    if (this.state.value === 'refused') this.state.set('reconnecting');
+  }
+
   /** Closes the socket as a broken network would; the page reconnects. */
   drop(): void {
     this.socket?.close();
@@ -97,6 +111,7 @@ export class Connection {
       // Only now: a server that accepts and closes at once must not be hammered.
       this.failures = 0;
       this.everConnected = true;
+      this.welcomed = true;
       this.state.set('connected');
     }
     this.events.onMessage(message);
@@ -111,8 +126,11 @@ export class Connection {
     socket.close();
     const wait = backoffMillis(this.failures);
     this.failures += 1;
-    if (this.failures >= OFFLINE_AFTER || state === 'offline') this.state.set('offline');
+    if (this.state.value === 'refused') {
+      // The page says why already; it goes on trying in case the server changes its mind.
+    } else if (this.failures >= OFFLINE_AFTER || state === 'offline') this.state.set('offline');
     else this.state.set(this.everConnected ? 'reconnecting' : 'connecting');
     this.retryTimer = setTimeout(() => this.open(), wait);
+    if (!this.welcomed) this.events.onFailed();
   }
 }

@@ -3,7 +3,15 @@
 import type { ConnectionState } from './connection';
 import type { FrameHeader } from './header';
 import type { LatencySummary } from './latency';
-import type { CameraPose, Plan, Stats, Welcome } from './protocol.gen';
+import type {
+  CameraPose,
+  DarknessCause,
+  Navigation,
+  NavigationMessage,
+  Plan,
+  Stats,
+  Welcome,
+} from './protocol.gen';
 
 export interface DebugState {
   connection: ConnectionState;
@@ -18,6 +26,11 @@ export interface DebugState {
   latency: LatencySummary | null;
   lastInput: number;
   camera: CameraPose | null;
+  /** The way of steering; null until the server has said what suits the scene. */
+  mode: Navigation | null;
+  navigation: NavigationMessage | null;
+  /** Why the picture is black, while the page says so. */
+  darkness: DarknessCause | null;
   errors: string[];
   /** Closes the socket as a broken network would. */
   drop(): void;

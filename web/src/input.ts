@@ -1,13 +1,14 @@
 /** Pointer, wheel, touch and keys on the canvas, turned into what the camera should do. */
 
+import { aimAt, type Place, placeInPicture } from './camera/aim';
 import { type CameraRig, type HeldKeys, NO_KEYS } from './camera/rig';
+import type { Vec3 } from './camera/vec';
+import { Taps } from './taps';
 
-/** Notch of a mouse wheel: the distance changes by an eighth. */
-const ZOOM_PER_NOTCH = 1.125;
 const PIXELS_PER_NOTCH = 100;
 const PIXELS_PER_LINE = 33;
 
-type DragKind = 'orbit' | 'look' | 'pan';
+type DragKind = 'turn' | 'pan';
 
 interface Point {
   x: number;
@@ -21,14 +22,14 @@ const AXES: Record<string, [keyof Omit<HeldKeys, 'fast'>, number]> = {
   KeyA: ['right', -1],
   KeyE: ['up', 1],
   KeyQ: ['up', -1],
-  ArrowLeft: ['orbitLeft', 1],
-  ArrowRight: ['orbitLeft', -1],
-  ArrowUp: ['orbitUp', 1],
-  ArrowDown: ['orbitUp', -1],
-  Equal: ['zoomIn', 1],
-  NumpadAdd: ['zoomIn', 1],
-  Minus: ['zoomIn', -1],
-  NumpadSubtract: ['zoomIn', -1],
+  ArrowLeft: ['turnLeft', 1],
+  ArrowRight: ['turnLeft', -1],
+  ArrowUp: ['turnUp', 1],
+  ArrowDown: ['turnUp', -1],
+  Equal: ['nearer', 1],
+  NumpadAdd: ['nearer', 1],
+  Minus: ['nearer', -1],
+  NumpadSubtract: ['nearer', -1],
 };
 
 /** The sum of all held keys; opposite keys cancel. */
@@ -44,18 +45,20 @@ export function heldKeys(codes: ReadonlySet<string>, fast: boolean): HeldKeys {
 export class CameraInput {
   private readonly pointers = new Map<number, Point>();
   private readonly codes = new Set<string>();
-  private drag: DragKind = 'orbit';
+  private readonly taps = new Taps();
+  private kind: DragKind = 'turn';
 
+  /** `onDoubleTap` gets the place of the picture that was tapped twice. */
   constructor(
     private readonly canvas: HTMLCanvasElement,
     private readonly rig: CameraRig,
+    private readonly onDoubleTap: (place: Place) => void,
   ) {
     canvas.addEventListener('pointerdown', (event) => this.down(event));
     canvas.addEventListener('pointermove', (event) => this.move(event));
     canvas.addEventListener('pointerup', (event) => this.up(event));
-    canvas.addEventListener('pointercancel', (event) => this.up(event));
+    canvas.addEventListener('pointercancel', (event) => this.cancel(event));
     canvas.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
-    canvas.addEventListener('dblclick', () => this.rig.goHome());
     canvas.addEventListener('contextmenu', (event) => event.preventDefault());
     window.addEventListener('keydown', (event) => this.key(event, true));
     window.addEventListener('keyup', (event) => this.key(event, false));
@@ -66,9 +69,10 @@ export class CameraInput {
   private down(event: PointerEvent): void {
     this.canvas.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    if (event.button !== 0 || event.shiftKey) this.drag = 'pan';
-    else this.drag = this.isFlying() ? 'look' : 'orbit';
-    this.canvas.dataset.dragging = this.drag;
+    this.kind = event.button !== 0 || event.shiftKey ? 'pan' : 'turn';
+    this.canvas.dataset.dragging = this.kind;
+    if (this.pointers.size > 1 || this.kind === 'pan') this.taps.spoil();
+    else this.taps.down(event.clientX, event.clientY, event.timeStamp);
   }
 
   private move(event: PointerEvent): void {
@@ -77,17 +81,12 @@ export class CameraInput {
     const now = { x: event.clientX, y: event.clientY };
     const height = this.canvas.clientHeight;
     if (this.pointers.size >= 2) this.pinch(event.pointerId, last, now, height);
-    else this.dragBy(now.x - last.x, now.y - last.y, height);
+    else if (this.kind === 'pan') this.rig.dragPan(now.x - last.x, now.y - last.y, height);
+    else this.rig.drag(now.x - last.x, now.y - last.y, height);
     this.pointers.set(event.pointerId, now);
   }
 
-  private dragBy(dx: number, dy: number, height: number): void {
-    if (this.drag === 'pan') this.rig.dragPan(dx, dy, height);
-    else if (this.drag === 'look') this.rig.dragLook(dx, dy, height);
-    else this.rig.dragOrbit(dx, dy, height);
-  }
-
-  /** Two fingers: their middle pans, their distance zooms. */
+  /** Two fingers: their middle pans, their distance brings nearer. */
   private pinch(moved: number, last: Point, now: Point, height: number): void {
     const [first, second] = [...this.pointers.keys()];
     const other = this.pointers.get(moved === first ? (second ?? -1) : (first ?? -1));
@@ -95,20 +94,42 @@ export class CameraInput {
     this.rig.dragPan((now.x - last.x) / 2, (now.y - last.y) / 2, height);
     const before = Math.hypot(last.x - other.x, last.y - other.y);
     const after = Math.hypot(now.x - other.x, now.y - other.y);
-    if (before > 1 && after > 1) this.rig.zoomBy(before / after, false);
+    const middle = { x: (now.x + other.x) / 2, y: (now.y + other.y) / 2 };
+    if (before > 1 && after > 1) this.rig.pinch(after / before, this.aim(middle));
   }
 
   private up(event: PointerEvent): void {
+    const { clientX: x, clientY: y } = event;
+    const single = this.pointers.size === 1;
     this.pointers.delete(event.pointerId);
     if (this.pointers.size > 0) return;
     delete this.canvas.dataset.dragging;
+    if (single && this.taps.up(x, y, event.timeStamp)) this.onDoubleTap(this.place({ x, y }));
+  }
+
+  private cancel(event: PointerEvent): void {
+    this.taps.spoil();
+    this.pointers.delete(event.pointerId);
+    if (this.pointers.size === 0) delete this.canvas.dataset.dragging;
   }
 
   private wheel(event: WheelEvent): void {
     event.preventDefault();
+    this.taps.spoil();
     const unit = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? PIXELS_PER_LINE : 1;
     const notches = (event.deltaY * unit) / PIXELS_PER_NOTCH;
-    this.rig.zoomBy(ZOOM_PER_NOTCH ** Math.max(-4, Math.min(4, notches)), true);
+    const aim = this.aim({ x: event.clientX, y: event.clientY });
+    this.rig.wheel(-Math.max(-4, Math.min(4, notches)), aim);
+  }
+
+  private place(point: Point): Place {
+    return placeInPicture(point, this.canvas.getBoundingClientRect(), this.canvas);
+  }
+
+  /** The direction in the world that is seen at a point of the window. */
+  private aim(point: Point): Vec3 {
+    const aspect = this.canvas.width / Math.max(1, this.canvas.height);
+    return aimAt(this.rig.current, aspect, this.place(point));
   }
 
   private key(event: KeyboardEvent, pressed: boolean): void {
@@ -125,11 +146,6 @@ export class CameraInput {
       }
     }
     this.rig.keys = heldKeys(this.codes, event.shiftKey);
-  }
-
-  private isFlying(): boolean {
-    const { right, up, forward } = this.rig.keys;
-    return right !== 0 || up !== 0 || forward !== 0;
   }
 
   private release(): void {

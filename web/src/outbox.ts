@@ -9,6 +9,8 @@ export interface Size {
 
 export class Outbox {
   private camera: CameraPose | null = null;
+  /** Whether surfaces stop the waiting camera. */
+  private stops = false;
   private edit: SceneEdit | null = null;
   private preset: string | null = null;
   private size: Size | null = null;
@@ -25,8 +27,15 @@ export class Outbox {
     return this.lastInput;
   }
 
-  setCamera(camera: CameraPose): void {
+  /** `stops`: surfaces stop the eye on the way there. A waiting way through them stays one. */
+  setCamera(camera: CameraPose, stops = false): void {
+    this.stops = stops && (this.camera === null || this.stops);
     this.camera = camera;
+  }
+
+  /** A surface stopped the eye, and this is what the server shows: nothing is left to send. */
+  dropCamera(): void {
+    this.camera = null;
   }
 
   /** Each part of the scene that `edit` names replaces what was waiting for that part. */
@@ -87,7 +96,9 @@ export class Outbox {
       this.edit = null;
     }
     if (this.camera !== null) {
-      const message = { type: 'camera', input: this.lastInput + 1, camera: this.camera } as const;
+      const input = this.lastInput + 1;
+      const through = { type: 'camera', input, camera: this.camera } as const;
+      const message = this.stops ? { ...through, stops_at_surfaces: true } : through;
       if (!this.deliver(send, message)) return;
       this.camera = null;
     }

@@ -1,6 +1,7 @@
 /** What the server did for the picture on screen, and what it cost. */
 
 import { el } from './dom';
+import { rateText } from './figures';
 import { bytes, count, millis, significant, words } from './format';
 import type { FrameHeader } from './header';
 import type { LatencySummary } from './latency';
@@ -35,7 +36,6 @@ export class Overlay {
   private readonly rate = el('strong', {}, '–');
   private readonly latency = el('strong', {}, '–');
   private readonly bandwidth = el('strong', {}, '–');
-  private readonly toggle: HTMLButtonElement;
   private readonly body = el('div', {
     id: 'overlay-body',
     // Scrollable, and without anything in it that takes the focus.
@@ -53,24 +53,16 @@ export class Overlay {
   private readonly skippedTitle = el('h3', {}, 'Skipped');
   private shownPlan: Plan | null = null;
 
-  constructor(
-    private readonly root: HTMLElement,
-    onToggle: () => void,
-  ) {
-    this.toggle = el('button', {
-      type: 'button',
-      class: 'headline',
-      'aria-controls': 'overlay-body',
-      onclick: onToggle,
-    });
+  constructor(private readonly root: HTMLElement) {
     const figure = (value: HTMLElement, unit: string) =>
       el('span', { class: 'figure' }, value, el('small', {}, unit));
-    this.toggle.append(
-      figure(this.rate, 'fps'),
+    const headline = el('div', { class: 'headline' });
+    headline.append(
+      figure(this.rate, 'rate'),
       figure(this.latency, 'latency'),
       figure(this.bandwidth, 'per second'),
     );
-    root.append(this.toggle, this.body);
+    root.append(headline, this.body);
     this.body.append(
       this.section('Input to paint', this.latencySection(), this.spread),
       this.section('Picture', this.pictureSection()),
@@ -80,17 +72,15 @@ export class Overlay {
   }
 
   setOpen(open: boolean): void {
-    this.root.classList.toggle('open', open);
-    this.toggle.setAttribute('aria-expanded', String(open));
-    this.body.hidden = !open;
+    this.root.hidden = !open;
   }
 
   show(state: OverlayState): void {
+    if (this.root.hidden) return;
     const { header, stats, latency } = state;
-    this.rate.textContent = rateText(state.framesPerSecond, header);
+    this.rate.textContent = header === null ? '–' : rateText(state.framesPerSecond, header);
     this.latency.textContent = latency === null ? '–' : millis(latency.total);
     this.bandwidth.textContent = bytes(state.bytesPerSecond);
-    if (this.body.hidden) return;
     this.showLatency(latency, state.latencyHistory);
     if (header !== null) this.showPicture(header, stats);
     if (stats !== null) this.showPasses(stats);
@@ -192,11 +182,4 @@ export class Overlay {
     this.skipped.replaceChildren(...plan.skipped.map(item));
     this.skippedTitle.hidden = plan.skipped.length === 0;
   }
-}
-
-function rateText(framesPerSecond: number, header: FrameHeader | null): string {
-  if (header === null) return '–';
-  // A converged picture needs no frames: that is not a slow server.
-  if (framesPerSecond === 0) return header.converged ? 'idle' : '0';
-  return framesPerSecond.toFixed(1);
 }

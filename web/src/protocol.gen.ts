@@ -142,6 +142,19 @@ target: [number, number, number],
 vertical_fov_degrees?: number, };
 
 /**
+ * A surface stopped the eye: the camera that is shown instead of the one that was sent.
+ */
+export type CameraMessage = { 
+/**
+ * Input number of the camera that was sent.
+ */
+input: number, 
+/**
+ * Where the eye is.
+ */
+camera: CameraPose, };
+
+/**
  * Where the eye is; exposure stays as it is, keyframes are left.
  */
 export type CameraPose = { 
@@ -173,12 +186,17 @@ input: number,
 /**
  * Where to.
  */
-camera: CameraPose, };
+camera: CameraPose, 
+/**
+ * The eye stops before surfaces and slides along them; where it ends elsewhere than it was sent, a
+ * [`ServerMessage::Camera`] says so. Without this it goes through them.
+ */
+stops_at_surfaces?: boolean, };
 
 /**
  * What a client says.
  */
-export type ClientMessage = { "type": "hello" } & Hello | { "type": "camera" } & CameraUpdate | { "type": "edit" } & EditRequest | { "type": "open_preset" } & OpenPreset | { "type": "resize" } & Resize | { "type": "ack" } & Ack | { "type": "visible" } & Visible;
+export type ClientMessage = { "type": "hello" } & Hello | { "type": "camera" } & CameraUpdate | { "type": "edit" } & EditRequest | { "type": "open_preset" } & OpenPreset | { "type": "resize" } & Resize | { "type": "ack" } & Ack | { "type": "visible" } & Visible | { "type": "pick" } & Pick | { "type": "explain_darkness" } & ExplainDarkness;
 
 /**
  * The clock of a session whose scene moves; edits set it.
@@ -206,6 +224,24 @@ export type Codec = "jpeg" | "png";
  * When unbiased traced samples correct the technique's picture.
  */
 export type CorrectionMode = "off" | "at_rest" | "always";
+
+/**
+ * Why a picture is black.
+ */
+export type DarknessCause = "no_light" | "inside_solid" | "at_surface" | "looks_away" | "unlit";
+
+/**
+ * Answers the question why the picture is black.
+ */
+export type DarknessMessage = { 
+/**
+ * Number of the question.
+ */
+request: number, 
+/**
+ * The first reason that applies.
+ */
+cause: DarknessCause, };
 
 /**
  * A light's direction at one time.
@@ -305,6 +341,15 @@ message: string,
  * Input number of the message that was refused.
  */
 input?: number, };
+
+/**
+ * Asks why the picture that the session's camera sees is black.
+ */
+export type ExplainDarkness = { 
+/**
+ * The client's number of the question; the answer carries it.
+ */
+request: number, };
 
 /**
  * What the planner knows about a scene; see `SceneFacts` for the exact meanings.
@@ -638,6 +683,36 @@ transform?: Transform,
 keyframes?: Array<TransformKeyframe>, };
 
 /**
+ * How a page steers the camera.
+ */
+export type Navigation = "look" | "orbit" | "fly";
+
+/**
+ * How to steer through the open scene. Follows the scene as soon as it is known.
+ */
+export type NavigationMessage = { 
+/**
+ * The scene's epoch.
+ */
+epoch: number, 
+/**
+ * What the scene says, or what suits it.
+ */
+mode: Navigation, 
+/**
+ * Box around what is worth looking at. Unit: m.
+ */
+bounds: Bounds, 
+/**
+ * What an orbit of the scene's own camera turns about. Unit: m.
+ */
+pivot: [number, number, number], 
+/**
+ * Where to stand to see most of a scene whose surfaces surround its camera.
+ */
+overview?: ViewPoint, };
+
+/**
  * Something that the user may wonder about.
  */
 export type Notice = { 
@@ -697,6 +772,54 @@ micros: number, };
  * `phase` of a medium: into which directions it scatters.
  */
 export type PhaseDescription = { "kind": "henyey_greenstein" } & HenyeyGreensteinPhase | { "kind": "two_lobes" } & TwoLobesPhase;
+
+/**
+ * Asks what lies under a place of the picture that the session's camera sees.
+ */
+export type Pick = { 
+/**
+ * The client's number of the question; the answer carries it.
+ */
+request: number, 
+/**
+ * Shares of the picture's width and height, from the left upper corner. Range: 0 to 1.
+ */
+place: [number, number], };
+
+/**
+ * What was picked.
+ */
+export type PickedKind = "surface" | "medium";
+
+/**
+ * Answers a pick.
+ */
+export type PickedMessage = { 
+/**
+ * Number of the question.
+ */
+request: number, 
+/**
+ * What lies there; nothing where one sees past everything.
+ */
+hit?: PickedPoint, };
+
+/**
+ * A point of the scene under a place of the picture.
+ */
+export type PickedPoint = { 
+/**
+ * Of what.
+ */
+kind: PickedKind, 
+/**
+ * Unit: m.
+ */
+point: [number, number, number], 
+/**
+ * Unit normal of a surface, toward the eye.
+ */
+normal?: [number, number, number], };
 
 /**
  * Passes that run and passes that don't.
@@ -1013,6 +1136,10 @@ name: string,
  */
 camera: CameraDescription, 
 /**
+ * How a page steers the camera. If left out: `look` where surfaces surround the camera, else `orbit`.
+ */
+navigation?: Navigation, 
+/**
  * Surfaces. Shared, since edits never change it.
  */
 geometry: Array<GeometryDescription>, 
@@ -1098,7 +1225,7 @@ clock?: ClockState, };
 /**
  * What the server says.
  */
-export type ServerMessage = { "type": "welcome" } & Welcome | { "type": "scene" } & SceneMessage | { "type": "plan" } & PlanMessage | { "type": "stats" } & Stats | { "type": "notice" } & Notice | { "type": "error" } & ErrorMessage;
+export type ServerMessage = { "type": "welcome" } & Welcome | { "type": "scene" } & SceneMessage | { "type": "navigation" } & NavigationMessage | { "type": "camera" } & CameraMessage | { "type": "picked" } & PickedMessage | { "type": "darkness" } & DarknessMessage | { "type": "plan" } & PlanMessage | { "type": "stats" } & Stats | { "type": "notice" } & Notice | { "type": "error" } & ErrorMessage;
 
 /**
  * Method of visibility.
@@ -1424,6 +1551,19 @@ g_backward: number,
  * Share of the light that the forward lobe scatters. Range: 0 to 1.
  */
 forward_share: number, };
+
+/**
+ * A place to stand and a point to look at.
+ */
+export type ViewPoint = { 
+/**
+ * Unit: m.
+ */
+position: [number, number, number], 
+/**
+ * Unit: m.
+ */
+target: [number, number, number], };
 
 /**
  * Says whether anyone can see the picture.

@@ -1,6 +1,6 @@
 /** What survives a reload of this tab, so that the session goes on where it was. */
 
-import type { CameraPose } from './protocol.gen';
+import type { CameraPose, Navigation } from './protocol.gen';
 
 const KEY = 'tyndall.session';
 
@@ -10,6 +10,8 @@ export interface Kept {
   lastInput: number;
   sceneName: string;
   home: CameraPose;
+  /** The way of steering that was chosen. */
+  mode?: Navigation;
 }
 
 /** Reads and removes: a duplicated tab must not take over this tab's session. */

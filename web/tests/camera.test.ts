@@ -122,14 +122,14 @@ describe('rig', () => {
     const rig = new CameraRig(START, () => false);
     expect(rig.tick(1 / 60, rig.current)).toBe(false);
     const before = rig.current;
-    rig.dragOrbit(10, 0, 300);
+    rig.drag(10, 0, 300);
     expect(rig.tick(1 / 60, before)).toBe(true);
     expect(rig.tick(1 / 60, rig.current)).toBe(false);
   });
 
   it('goes home softly, at once where motion is unwanted', () => {
     const soft = new CameraRig(START, () => false);
-    soft.dragOrbit(50, 20, 300);
+    soft.drag(50, 20, 300);
     soft.goHome();
     soft.tick(0.1, START);
     expect(soft.current).not.toEqual(START);
@@ -137,16 +137,16 @@ describe('rig', () => {
     expect(soft.current).toEqual(START);
 
     const still = new CameraRig(START, () => true);
-    still.dragOrbit(50, 20, 300);
+    still.drag(50, 20, 300);
     still.goHome();
     expect(still.current).toEqual(START);
   });
 
   it('a wheel zoom arrives in full', () => {
     const rig = new CameraRig(START, () => false);
-    rig.zoomBy(0.5, true);
+    rig.wheel(2, [0, 0, -1]);
     for (let step = 0; step < 120; step += 1) rig.tick(1 / 60, START);
-    expect(reach(rig.current)).toBeCloseTo(2.5, 6);
+    expect(reach(rig.current)).toBeCloseTo(5 / 1.125 ** 2, 6);
     expect(rig.tick(1 / 60, rig.current)).toBe(false);
   });
 });

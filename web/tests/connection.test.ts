@@ -40,6 +40,19 @@ describe('outbox', () => {
     expect(drain(outbox)).toEqual([{ type: 'camera', input: 2, camera: pose(4) }]);
   });
 
+  it('says that surfaces stop a camera, unless part of the way leads through them', () => {
+    const outbox = new Outbox();
+    outbox.setCamera(pose(1), true);
+    const stopping = { type: 'camera', input: 1, camera: pose(1), stops_at_surfaces: true };
+    expect(drain(outbox)).toEqual([stopping]);
+    outbox.setCamera(pose(2), false);
+    outbox.setCamera(pose(3), true);
+    expect(drain(outbox)).toEqual([{ type: 'camera', input: 2, camera: pose(3) }]);
+    outbox.setCamera(pose(4), true);
+    outbox.dropCamera();
+    expect(drain(outbox)).toEqual([]);
+  });
+
   it('merges edits by part', () => {
     const outbox = new Outbox(41);
     outbox.addEdit({ exposure_ev: 1, lights: [] });

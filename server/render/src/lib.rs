@@ -5,13 +5,14 @@
 //! and says why; `frame` records them in that order, each by the stage or technique that planned it;
 //! `engine` alone makes resources and submits; `picture` says what the next frame adds; `correction`
 //! brings the technique's picture toward the traced one. [`Renderer`] ties them together for one
-//! device and any number of [`View`]s.
+//! device and any number of [`View`]s. [`Guide`] answers on the CPU where a camera may go.
 
 mod correction;
 mod engine;
 mod error;
 mod frame;
 mod gpu_scene;
+mod navigation;
 mod picture;
 mod plan;
 mod prepare;
@@ -30,10 +31,11 @@ pub use engine::{
 };
 pub use error::{DeviceError, FailedFrame, NotRenderedYet, RenderError};
 pub use frame::{FramePlan, PassId, PlanLimits, PlannedPass, SkippedPass};
+pub use navigation::{Darkness, Guide, NavigationFacts, Picked, Stand};
 pub use plan::plan;
 pub use prepare::Prepared;
 pub use renderer::{RenderOutcome, Renderer};
 pub use still::{Still, StillProgress};
 pub use supported::check_supported;
-pub use techniques::{Claim, Paths, Rung, claim, ladder};
+pub use techniques::{Claim, Paths, Rung, chosen, claim, ladder};
 pub use view::View;

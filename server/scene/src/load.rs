@@ -112,6 +112,7 @@ fn bare_model(
         version: VERSION,
         name: file.chars().take(100).collect(),
         camera: looking_from([0.0, 0.0, 1.0], [0.0; 3]),
+        navigation: None,
         geometry: Arc::new(vec![geometry]),
         lights: Vec::new(),
         media: Vec::new(),

@@ -227,7 +227,9 @@ fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
         render_micros: frame.render_micros,
         encode_micros: header.encode_micros,
         bytes: message.len() as u64,
-        technique: wish.scene.render.technique.name().to_owned(),
+        technique: tyndall_render::chosen(wish.scene.render.technique)
+            .name()
+            .to_owned(),
         time_seconds: wish
             .scene
             .duration_seconds()

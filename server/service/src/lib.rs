@@ -7,7 +7,7 @@
 //! - `routes`: HTTP addresses; errors leave as [`problem`] documents;
 //! - `socket`: one conversation a WebSocket;
 //! - `session`, `sessions`: what a client has set, kept for a while after its connection drops;
-//! - `scenes`: built-in scenes, built once;
+//! - `scenes`: built-in scenes, built once; `guides`: what steers a camera through them;
 //! - [`render_thread`] over a [`backend`]: the one thread that owns the device;
 //! - `encoder_pool`: compression, on threads of its own;
 //! - `outbox`: the newest frame and the waiting messages of a session, back to its socket;
@@ -21,6 +21,7 @@ pub mod backend;
 mod bell;
 mod clock;
 mod encoder_pool;
+mod guides;
 pub mod options;
 mod outbox;
 pub mod problem;

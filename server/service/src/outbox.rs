@@ -1,4 +1,4 @@
-//! What waits for a session's socket: messages in order, and the newest plan and frame.
+//! What waits for a session's socket: messages in order, and the newest stop, plan and frame.
 
 use std::collections::VecDeque;
 use std::sync::Mutex;
@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use axum::body::Bytes;
 use tokio::sync::Notify;
 use tyndall_stream::header::{FrameHeader, HEADER_BYTES};
-use tyndall_stream::protocol::{Plan, PlanMessage, ServerMessage, Stats};
+use tyndall_stream::protocol::{CameraMessage, Plan, PlanMessage, ServerMessage, Stats};
 
 use crate::bell::lock;
 
@@ -66,6 +66,7 @@ pub(crate) struct Outbox {
 #[derive(Debug, Default)]
 struct Slots {
     messages: VecDeque<ServerMessage>,
+    camera: Option<CameraMessage>,
     plan: Option<Plan>,
     plan_is_new: bool,
     frame: Option<EncodedFrame>,
@@ -83,6 +84,12 @@ impl Outbox {
         drop(slots);
         self.filled.notify_one();
         room
+    }
+
+    /// Replaces the camera at which a surface stopped the eye: only the newest stop matters.
+    pub(crate) fn set_camera(&self, camera: CameraMessage) {
+        lock(&self.slots).camera = Some(camera);
+        self.filled.notify_one();
     }
 
     /// Replaces the plan; an equal one is not sent again.
@@ -121,6 +128,7 @@ impl Outbox {
     pub(crate) fn reconnect(&self) {
         let mut slots = lock(&self.slots);
         slots.messages.clear();
+        slots.camera = None;
         slots.frame = None;
         slots.plan_is_new = slots.plan.is_some();
     }
@@ -130,6 +138,9 @@ impl Outbox {
         let mut slots = lock(&self.slots);
         if let Some(message) = slots.messages.pop_front() {
             return Some(Outgoing::Message(message));
+        }
+        if let Some(camera) = slots.camera.take() {
+            return Some(Outgoing::Message(ServerMessage::Camera(camera)));
         }
         if std::mem::take(&mut slots.plan_is_new)
             && let Some(plan) = slots.plan.clone()

@@ -14,6 +14,7 @@ use tyndall_stream::protocol::Adapter;
 
 use crate::backend::{Backend, OpenBackend, Wgpu};
 use crate::encoder_pool::EncoderPool;
+use crate::guides::Guides;
 use crate::options::{ServeError, ServeOptions, ServiceLimits};
 use crate::render_thread::{self, Readiness};
 use crate::routes;
@@ -26,6 +27,7 @@ use crate::telemetry;
 pub(crate) struct App {
     pub(crate) adapter: Adapter,
     pub(crate) allowed_origins: Vec<String>,
+    pub(crate) guides: Guides,
     pub(crate) limits: ServiceLimits,
     pub(crate) metrics: PrometheusHandle,
     pub(crate) readiness: Arc<Readiness>,
@@ -83,6 +85,7 @@ pub async fn serve_on<B: Backend + 'static>(
     let app = Arc::new(App {
         adapter,
         allowed_origins: options.allowed_origins,
+        guides: Guides::new(),
         limits,
         metrics,
         readiness,

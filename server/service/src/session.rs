@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use tokio::sync::watch;
 use tyndall_render::check_supported;
-use tyndall_scene::description::CameraDescription;
+use tyndall_scene::description::{CameraDescription, Navigation};
 use tyndall_scene::{
     Loaded, Scene, SceneDescription, SceneEdit, SceneError, apply_edit, facts, steer,
 };
@@ -214,6 +214,11 @@ impl Session {
             warnings,
             clock,
         }
+    }
+
+    /// How the scene says that it is steered.
+    pub(crate) fn declared_navigation(&self) -> Option<Navigation> {
+        lock(&self.state).description.navigation
     }
 
     /// Moves the eye; a camera that is steered leaves its keyframes.

@@ -5,5 +5,6 @@ mod clock;
 mod faults;
 mod http;
 mod lavapipe;
+mod steering;
 mod stream;
 mod support;

@@ -16,6 +16,10 @@ use crate::header::{Codec, MAX_SAFE_INTEGER};
 use crate::messages::messages;
 
 pub use crate::facts::Facts;
+pub use crate::navigation::{
+    CameraMessage, CameraPose, DarknessCause, DarknessMessage, ExplainDarkness, NavigationMessage,
+    Pick, PickedKind, PickedMessage, PickedPoint, ViewPoint,
+};
 
 /// Version of the messages that this code speaks.
 pub const PROTOCOL_VERSION: u32 = 1;
@@ -37,6 +41,10 @@ messages! {
         "ack" => Ack(Ack),
         /// Has become visible or hidden; nothing is rendered for a hidden page.
         "visible" => Visible(Visible),
+        /// Asks what lies under a place of the picture.
+        "pick" => Pick(Pick),
+        /// Asks why the picture is black.
+        "explain_darkness" => ExplainDarkness(ExplainDarkness),
     }
 }
 
@@ -70,20 +78,6 @@ impl Hello {
     }
 }
 
-/// Where the eye is; exposure stays as it is, keyframes are left.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, TS)]
-#[serde(deny_unknown_fields)]
-pub struct CameraPose {
-    /// Unit: m.
-    pub position: [f64; 3],
-    /// The point looked at. Unit: m.
-    pub target: [f64; 3],
-    /// Any length; not parallel to the view direction.
-    pub up: [f64; 3],
-    /// Full vertical field of view. Unit: degree.
-    pub vertical_fov_degrees: f64,
-}
-
 /// Moves the eye.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS)]
 #[serde(deny_unknown_fields)]
@@ -92,6 +86,11 @@ pub struct CameraUpdate {
     pub input: u64,
     /// Where to.
     pub camera: CameraPose,
+    /// The eye stops before surfaces and slides along them; where it ends elsewhere than it was sent, a
+    /// [`ServerMessage::Camera`] says so. Without this it goes through them.
+    #[serde(default)]
+    #[ts(optional, as = "Option<bool>")]
+    pub stops_at_surfaces: bool,
 }
 
 /// Changes the open scene.
@@ -167,7 +166,11 @@ impl ClientMessage {
             Self::Edit(request) => Some(request.input),
             Self::OpenPreset(open) => Some(open.input),
             Self::Resize(resize) => Some(resize.input),
-            Self::Hello(_) | Self::Ack(_) | Self::Visible(_) => None,
+            Self::Hello(_)
+            | Self::Ack(_)
+            | Self::Visible(_)
+            | Self::Pick(_)
+            | Self::ExplainDarkness(_) => None,
         }
     }
 }
@@ -180,6 +183,14 @@ pub enum ServerMessage {
     Welcome(Welcome),
     /// Another scene is open.
     Scene(Box<SceneMessage>),
+    /// How to steer through the open scene.
+    Navigation(NavigationMessage),
+    /// A surface stopped the eye.
+    Camera(CameraMessage),
+    /// Answers a pick.
+    Picked(PickedMessage),
+    /// Answers the question why the picture is black.
+    Darkness(DarknessMessage),
     /// What each frame does from now on, and why.
     Plan(PlanMessage),
     /// About the frame before it.

@@ -31,12 +31,15 @@ fn every_client_message_survives_its_own_json() {
         json!({"type": "hello", "protocol": 1, "accept": ["jpeg", "avif", "png"], "width": 640,
             "height": 360, "resume": null}),
         json!({"type": "camera", "input": 3, "camera": camera}),
+        json!({"type": "camera", "input": 3, "camera": camera, "stops_at_surfaces": true}),
         json!({"type": "edit", "input": 4, "edit": {"media": [
             {"kind": "homogeneous", "sigma_s": 0.1, "sigma_a": [0.0, 0.1, 0.2]}]}}),
         json!({"type": "open_preset", "input": 5, "name": "fogged_hall"}),
         json!({"type": "resize", "input": 6, "width": 1920, "height": 1080}),
         json!({"type": "ack", "frame": 7}),
         json!({"type": "visible", "visible": false}),
+        json!({"type": "pick", "request": 1, "place": [0.25, 0.75]}),
+        json!({"type": "explain_darkness", "request": 2}),
     ];
     for message in messages {
         let parsed = parse(&message).unwrap();
@@ -116,7 +119,11 @@ fn camera_numbers_survive_exactly() {
         up: [0.0, 1.0, 0.0],
         vertical_fov_degrees: 37.123_456_789,
     };
-    let message = ClientMessage::Camera(CameraUpdate { input: 1, camera });
+    let message = ClientMessage::Camera(CameraUpdate {
+        input: 1,
+        camera,
+        stops_at_surfaces: true,
+    });
     let written = serde_json::to_string(&message).unwrap();
     assert_eq!(ClientMessage::from_json(&written).unwrap(), message);
 }

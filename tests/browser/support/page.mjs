@@ -134,6 +134,19 @@ export async function drag(page, dx, dy) {
   await page.mouse.up();
 }
 
+/** Opens a preset and waits until its picture is there and its way of steering is known. */
+export async function openPreset(page, name) {
+  const select = page.getByRole('combobox', { name: 'Scene', exact: true });
+  const { epoch } = (await state(page)).lastHeader;
+  await select.selectOption(name);
+  await page.waitForFunction(
+    (old) => window.__tyndall.mode !== null && window.__tyndall.lastHeader.epoch > old,
+    epoch,
+    PATIENCE,
+  );
+  return caughtUp(page);
+}
+
 /** Opens the drawer with the controls where the window is too narrow to show it always. */
 export async function showControls(page) {
   const button = page.getByRole('button', { name: 'Controls', exact: true });

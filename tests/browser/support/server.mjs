@@ -18,6 +18,12 @@ export class Server {
   log = '';
   #process;
   #folder;
+  #options;
+
+  /** `options` are further options of `tyndall serve`. */
+  constructor(options = []) {
+    this.#options = options;
+  }
 
   /** Starts `tyndall serve`; `address` "127.0.0.1:0" lets the system choose the port. */
   async start(address = '127.0.0.1:0') {
@@ -26,7 +32,7 @@ export class Server {
     }
     this.#folder = await mkdtemp(join(tmpdir(), 'tyndall-browser-'));
     const portFile = join(this.#folder, 'address');
-    this.#process = spawn(BINARY, ['serve', '--bind', address, '--port-file', portFile], {
+    this.#process = spawn(BINARY, ['serve', '--bind', address, '--port-file', portFile, ...this.#options], {
       stdio: ['ignore', 'pipe', 'pipe'],
     });
     for (const stream of [this.#process.stdout, this.#process.stderr]) {

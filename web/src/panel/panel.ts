@@ -25,6 +25,8 @@ import './panel.css';
 export interface PanelEvents {
   onEdit(edit: SceneEdit): void;
   onPreset(name: string): void;
+  /** The values of the working copy changed. */
+  onValues(): void;
 }
 
 /** Folders that start closed: what a first visitor does not need. */
@@ -47,7 +49,10 @@ export class Panel {
 
   /** Shows a scene; rows are rebuilt only when there are other lights or media than before. */
   show(scene: SceneMessage, presets: readonly Preset[]): void {
-    const draft = new Draft(scene.description, (edit) => this.events.onEdit(edit));
+    const draft = new Draft(scene.description, (edit) => {
+      this.events.onEdit(edit);
+      this.events.onValues();
+    });
     // A clock is rebuilt: it may have been set by another page.
     const shape = scene.clock === undefined ? shapeOf(scene.name, scene.description) : '';
     if (this.gui !== null && this.draft !== null && shape !== '' && shape === this.shape) {
@@ -71,7 +76,9 @@ export class Panel {
 
   /** If the server refused an edit, the rows go back to what it has. */
   refuse(input: number): void {
-    if (this.draft?.refuse(input)) this.refresh();
+    if (!this.draft?.refuse(input)) return;
+    this.refresh();
+    this.events.onValues();
   }
 
   showCamera(pose: CameraPose): void {
@@ -83,12 +90,18 @@ export class Panel {
     this.time?.show(seconds);
   }
 
+  /** The working copy of the open scene; null before the first. */
+  get working(): Draft | null {
+    return this.draft;
+  }
+
   /** The whole state as an edit; null before the first scene. */
   state(): SceneEdit | null {
     return this.draft?.everything() ?? null;
   }
 
-  private refresh(): void {
+  /** Shows what the working copy holds. */
+  refresh(): void {
     for (const row of this.gui?.controllersRecursive() ?? []) row.updateDisplay();
   }
 

@@ -61,6 +61,26 @@ impl CpuBvh {
     /// unit. Single-sided triangles are not met from behind. Holes of alpha masks are met as if they were
     /// none. Unit: m.
     pub fn closest(&self, origin: Vec3A, direction: Vec3A, limit: f32) -> Option<CpuHit> {
+        self.nearest(origin, direction, limit, true)
+    }
+
+    /// [`Self::closest`], but single-sided triangles are met from behind, too.
+    pub fn closest_of_both_sides(
+        &self,
+        origin: Vec3A,
+        direction: Vec3A,
+        limit: f32,
+    ) -> Option<CpuHit> {
+        self.nearest(origin, direction, limit, false)
+    }
+
+    /// Unit normal of a triangle, toward its front.
+    pub fn normal(&self, triangle: u32) -> Vec3A {
+        let normal = self.triangles[triangle as usize].compute_normal();
+        normal.normalize_or(Vec3A::Y)
+    }
+
+    fn nearest(&self, origin: Vec3A, direction: Vec3A, limit: f32, culled: bool) -> Option<CpuHit> {
         if self.triangles.is_empty() {
             return None;
         }
@@ -72,7 +92,7 @@ impl CpuBvh {
             let triangle = &self.triangles[number];
             let [single_sided, ..] = self.flags[number];
             let from_behind = triangle.compute_normal().dot(ray.direction) > 0.0;
-            if single_sided > 0.0 && from_behind {
+            if culled && single_sided > 0.0 && from_behind {
                 f32::MAX
             } else {
                 triangle.intersect(ray)
@@ -176,7 +196,7 @@ pub(super) fn corners(source: &Geometry) -> impl Iterator<Item = Corners<'_>> {
 }
 
 /// Triangles of all instances relative to `anchor`.
-pub(super) fn world_triangles(source: &Geometry, anchor: DVec3) -> Vec<Triangle> {
+pub(crate) fn world_triangles(source: &Geometry, anchor: DVec3) -> Vec<Triangle> {
     corners(source)
         .map(|corner| {
             let [v0, v1, v2] = corner.vertices.map(|index| {

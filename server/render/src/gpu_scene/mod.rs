@@ -16,9 +16,7 @@ mod upload;
 mod values;
 
 pub(crate) use assets::{AssetCache, GpuAssets};
-#[cfg(feature = "probe")]
-pub(crate) use bvh::CpuBvh;
-pub(crate) use bvh::GpuBvh;
+pub(crate) use bvh::{CpuBvh, CpuHit, GpuBvh, world_triangles};
 #[cfg(feature = "probe")]
 pub(crate) use camera::frame_values;
 pub(crate) use camera::{SampleValues, columns, history_view, pixel_ray};

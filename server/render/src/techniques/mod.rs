@@ -25,6 +25,11 @@ pub(crate) fn of(key: tyndall_scene::Technique) -> Option<&'static dyn Technique
     }
 }
 
+/// The technique that renders `technique`: another one only for `auto`.
+pub fn chosen(technique: tyndall_scene::Technique) -> tyndall_scene::Technique {
+    of(technique).map_or(technique, Technique::key)
+}
+
 /// What the picture of `technique` claims to show; nothing for those that are not rendered yet.
 pub fn claim(technique: tyndall_scene::Technique) -> Option<Claim> {
     of(technique).map(Technique::claim)

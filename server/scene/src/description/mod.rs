@@ -8,6 +8,7 @@ pub mod camera;
 pub mod geometry;
 pub mod lights;
 pub mod media;
+pub mod navigation;
 pub mod parse;
 pub mod phase;
 pub mod render;
@@ -27,6 +28,7 @@ pub use camera::{CameraDescription, CameraKeyframe};
 pub use geometry::{GeometryDescription, MaterialDescription};
 pub use lights::LightDescription;
 pub use media::MediumDescription;
+pub use navigation::Navigation;
 pub use phase::PhaseDescription;
 pub use render::RenderDescription;
 pub use values::{Bounds, Rgb, Scale, Transform};
@@ -47,6 +49,9 @@ pub struct SceneDescription {
     pub name: String,
     /// The eye.
     pub camera: CameraDescription,
+    /// How a page steers the camera. If left out: `look` where surfaces surround the camera, else `orbit`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub navigation: Option<Navigation>,
     /// Surfaces. Shared, since edits never change it.
     #[serde(default)]
     pub geometry: Arc<Vec<GeometryDescription>>,

@@ -48,7 +48,7 @@ pub struct RenderDescription {
 impl Default for RenderDescription {
     fn default() -> Self {
         Self {
-            technique: Technique::SingleScattering,
+            technique: Technique::Auto,
             width: 1280,
             height: 720,
             samples: None,

@@ -16,7 +16,7 @@ use crate::description::lights::{
 use crate::description::media::{
     HeightFogMedium, HomogeneousMedium, ProceduralMedium, ProceduralPattern,
 };
-use crate::description::render::Technique;
+use crate::description::render::{CorrectionMode, Technique};
 use crate::description::{
     Bounds, CameraDescription, GeometryDescription, LightDescription, MaterialDescription,
     MediumDescription, RenderDescription, Rgb, Scale, SceneDescription, Transform, VERSION,
@@ -145,6 +145,7 @@ impl Builder {
             version: VERSION,
             name: name.to_owned(),
             camera,
+            navigation: None,
             geometry: Arc::new(self.geometry),
             lights,
             media,
@@ -382,8 +383,10 @@ pub(super) fn procedural(
     })
 }
 
-/// The scene under the path tracer: it alone knows light from a sky.
+/// The scene under the path tracer, its noise filtered by the correction: what a cloud scatters many times
+/// is most of its light.
 pub(super) fn by_reference(mut scene: SceneDescription) -> SceneDescription {
     scene.render.technique = Technique::Reference;
+    scene.render.correction = Some(CorrectionMode::Always);
     scene
 }

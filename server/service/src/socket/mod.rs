@@ -5,6 +5,7 @@
 
 mod hello;
 mod read;
+mod steering;
 mod write;
 
 use std::sync::Arc;

@@ -12,6 +12,7 @@ use tyndall_stream::protocol::{
     ClientMessage, EditRequest, ErrorCode, ErrorMessage, OpenPreset, ServerMessage,
 };
 
+use super::steering::Steering;
 use super::{Farewell, Stream, error, hello};
 use crate::bell::lock;
 use crate::scenes::BuildError;
@@ -37,6 +38,7 @@ struct Reader<'a> {
     opening: Option<Opening>,
     /// The newest request that came while another preset was being built.
     next: Option<OpenPreset>,
+    steering: Steering,
 }
 
 /// Reads until the client leaves or goes too far.
@@ -47,6 +49,7 @@ pub(super) async fn run(app: &Arc<App>, session: &Arc<Session>, stream: &mut Str
         malformed: 0,
         opening: None,
         next: None,
+        steering: Steering::new(app, session),
     };
     let silence = app.limits.ping_every * MAX_SILENT_PROBES;
     loop {
@@ -56,6 +59,9 @@ pub(super) async fn run(app: &Arc<App>, session: &Arc<Session>, stream: &mut Str
                 Err(_elapsed) => Err(Farewell::SILENT),
             },
             built = built(&mut reader.opening) => reader.opened(built),
+            navigation = reader.steering.known() => {
+                reader.push(ServerMessage::Navigation(navigation))
+            }
         };
         if let Err(farewell) = outcome {
             return farewell;
@@ -112,8 +118,13 @@ impl Reader<'_> {
                 return self.refuse(error(ErrorCode::Malformed, "hello was said before", None));
             }
             ClientMessage::Camera(update) => {
-                let outcome = session.set_camera(update.input, update.camera, now);
+                let stopped = self.steering.stopped(&update);
+                let camera = stopped.map_or(update.camera, |stopped| stopped.camera);
+                let outcome = session.set_camera(update.input, camera, now);
                 self.answer(outcome, update.input)?;
+                if let Some(stopped) = stopped {
+                    session.outbox.set_camera(stopped);
+                }
             }
             ClientMessage::Edit(request) => {
                 self.edit(request, now).await?;
@@ -135,6 +146,16 @@ impl Reader<'_> {
                 }
             }
             ClientMessage::Visible(visible) => session.set_visible(visible.visible),
+            ClientMessage::Pick(pick) => {
+                let picked = self.steering.pick(pick).await;
+                return self.push(ServerMessage::Picked(picked));
+            }
+            ClientMessage::ExplainDarkness(question) => {
+                return match self.steering.darkness(question).await {
+                    Some(answer) => self.push(ServerMessage::Darkness(answer)),
+                    None => Ok(()),
+                };
+            }
         }
         self.app.sessions.bell.ring();
         Ok(())
@@ -179,6 +200,7 @@ impl Reader<'_> {
             Ok(loaded) => match self.session.open(input, &loaded, Instant::now()) {
                 Ok(()) => {
                     let scene = Box::new(self.session.scene_message());
+                    self.steering.scene_opened();
                     self.app.sessions.bell.ring();
                     self.push(ServerMessage::Scene(scene))
                 }
