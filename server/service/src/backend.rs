@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use tyndall_render::{
-    AdapterKind, AdapterSummary, Device, DeviceOptions, FailedFrame, FinishedFrame, Prepared,
-    RenderError, RenderOutcome, Renderer, View,
+    AdapterKind, AdapterSummary, Device, DeviceOptions, FailedFrame, FinishedFrame, MemoryBudget,
+    PlanLimits, Prepared, RenderError, RenderOutcome, Renderer, View,
 };
 use tyndall_scene::Scene;
 use tyndall_stream::protocol;
@@ -21,6 +21,8 @@ pub trait Backend {
 
     /// What renders.
     fn adapter(&self) -> protocol::Adapter;
+    /// What the planner must respect on this device.
+    fn plan_limits(&self) -> PlanLimits;
     /// Gets ready what a picture of `scene` in this size needs, on other threads where that takes
     /// long; asked again until it is. Never blocks. Unit of the size: pixel.
     fn prepare(
@@ -77,11 +79,11 @@ impl Wgpu {
     ///
     /// # Errors
     /// [`ServeError::Device`] and [`ServeError::Renderer`].
-    pub fn open(options: &DeviceOptions) -> Result<Self, ServeError> {
+    pub fn open(options: &DeviceOptions, memory: MemoryBudget) -> Result<Self, ServeError> {
         let device = Device::open(options)?;
-        Ok(Self {
-            renderer: Renderer::new(device)?,
-        })
+        let mut renderer = Renderer::new(device)?;
+        renderer.set_memory_budget(memory);
+        Ok(Self { renderer })
     }
 }
 
@@ -90,6 +92,10 @@ impl Backend for Wgpu {
 
     fn adapter(&self) -> protocol::Adapter {
         adapter(self.renderer.adapter())
+    }
+
+    fn plan_limits(&self) -> PlanLimits {
+        self.renderer.plan_limits()
     }
 
     fn prepare(

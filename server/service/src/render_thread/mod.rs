@@ -9,7 +9,7 @@
 //! - `seat`: a session's place at the device;
 //! - `show`: brings a picture to a wish, prepared first, with `fit` smaller where memory is short;
 //! - `refusal`: pictures that cannot be made, and frames that cannot be read;
-//! - `recovery`: a lost device, who may have lost it, and another one;
+//! - `recovery`: a lost device or a renderer that panicked, who may have lost it, and another one;
 //! - `readiness`: what the routes ask.
 
 mod fit;
@@ -32,7 +32,7 @@ use crate::encoder_pool::EncoderPool;
 use crate::options::ServeError;
 use crate::sessions::Sessions;
 
-pub(crate) use self::readiness::Readiness;
+pub(crate) use self::readiness::{Place, Readiness};
 
 /// Starts the thread and waits until its device is open.
 pub(crate) async fn start<B: Backend + 'static>(
@@ -61,7 +61,7 @@ pub(crate) async fn start<B: Backend + 'static>(
                 }
             };
             let adapter = backend.adapter();
-            readiness.set(true);
+            readiness.opened(backend.plan_limits());
             let software = adapter.kind == AdapterKind::Software;
             if tell.send(Ok(adapter)).is_ok() {
                 RenderThread {
@@ -75,6 +75,7 @@ pub(crate) async fn start<B: Backend + 'static>(
                     turn: 0,
                     software,
                     device_errors: 0,
+                    working_for: None,
                 }
                 .run();
             }

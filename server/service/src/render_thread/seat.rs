@@ -1,10 +1,12 @@
 //! A session's place at the device: its picture, its frame on the device, and what is known of its wish.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::fit::Fit;
 use crate::bell::lock;
+use crate::panics::words;
 use crate::session::{Session, Wish};
 
 /// A session's picture on the device.
@@ -66,7 +68,14 @@ impl<V> Seat<V> {
 
     /// Forgets everything on the device.
     pub(super) fn clear(&mut self) {
-        self.picture = None;
+        let picture = self.picture.take();
+        // After a panic of the renderer nothing is sure about what it left behind.
+        if let Err(panic) = catch_unwind(AssertUnwindSafe(|| drop(picture))) {
+            tracing::error!(
+                words = words(panic.as_ref()),
+                "giving up a picture panicked"
+            );
+        }
         self.preparing = false;
         if let Some(flight) = self.flight.take() {
             lock(&self.session.pacing).discard(flight.frame_id);

@@ -4,6 +4,7 @@ use gltf::json::Root;
 use gltf::json::extensions::texture::Info;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use tyndall_files::guarded;
 
 use super::file::File;
 use crate::error::{SceneError, abbreviate};
@@ -102,9 +103,13 @@ fn both(file: &File, json: &[u8], blob: Option<Vec<u8>>) -> Result<Container, Sc
     })
 }
 
-fn parse<T: DeserializeOwned>(file: &File, bytes: &[u8]) -> Result<T, SceneError> {
-    let mut deserializer = serde_json::Deserializer::from_slice(bytes);
-    serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+fn parse<T: DeserializeOwned + Send>(file: &File, bytes: &[u8]) -> Result<T, SceneError> {
+    let parsed = guarded("glTF", || {
+        let mut deserializer = serde_json::Deserializer::from_slice(bytes);
+        serde_path_to_error::deserialize(&mut deserializer)
+    });
+    let parsed = parsed.map_err(|failed| file.refused("JSON", failed.to_string()))?;
+    parsed.map_err(|error: serde_path_to_error::Error<serde_json::Error>| {
         let path = error.path().to_string();
         let location = if path == "." { "JSON".to_owned() } else { path };
         let message = error.inner().to_string();
