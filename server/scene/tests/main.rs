@@ -8,6 +8,7 @@ mod gltf_files;
 mod grids;
 mod guide;
 mod hostile;
+mod mutations;
 mod presets;
 mod schema;
 mod support;

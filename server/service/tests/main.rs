@@ -3,7 +3,9 @@
 
 mod clock;
 mod faults;
+mod guards;
 mod http;
 mod lavapipe;
+mod load;
 mod stream;
 mod support;

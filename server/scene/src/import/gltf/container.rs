@@ -93,8 +93,10 @@ pub(super) fn read(file: &File, bytes: &[u8]) -> Result<Container, SceneError> {
 
 /// What the crate reads of the JSON, and what it leaves out.
 fn both(file: &File, json: &[u8], blob: Option<Vec<u8>>) -> Result<Container, SceneError> {
-    let root = parse(file, json)?;
-    let left_out: LeftOut = parse(file, json)?;
+    let parsed = guarded("glTF", || (parse(json), parse(json)));
+    let (root, left_out) = parsed.map_err(|failed| file.refused("JSON", failed.to_string()))?;
+    let root = root.map_err(|error| refused(file, &error))?;
+    let left_out: LeftOut = left_out.map_err(|error| refused(file, &error))?;
     let extensions = |material: LeftOutMaterial| material.normal_texture?.extensions;
     Ok(Container {
         root,
@@ -103,18 +105,18 @@ fn both(file: &File, json: &[u8], blob: Option<Vec<u8>>) -> Result<Container, Sc
     })
 }
 
-fn parse<T: DeserializeOwned + Send>(file: &File, bytes: &[u8]) -> Result<T, SceneError> {
-    let parsed = guarded("glTF", || {
-        let mut deserializer = serde_json::Deserializer::from_slice(bytes);
-        serde_path_to_error::deserialize(&mut deserializer)
-    });
-    let parsed = parsed.map_err(|failed| file.refused("JSON", failed.to_string()))?;
-    parsed.map_err(|error: serde_path_to_error::Error<serde_json::Error>| {
-        let path = error.path().to_string();
-        let location = if path == "." { "JSON".to_owned() } else { path };
-        let message = error.inner().to_string();
-        // The path says more than the line of a text that people rarely see.
-        let message = message.split(" at line ").next().unwrap_or(&message);
-        file.refused(location, abbreviate(message))
-    })
+type ParseError = serde_path_to_error::Error<serde_json::Error>;
+
+fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ParseError> {
+    let mut deserializer = serde_json::Deserializer::from_slice(bytes);
+    serde_path_to_error::deserialize(&mut deserializer)
+}
+
+fn refused(file: &File, error: &ParseError) -> SceneError {
+    let path = error.path().to_string();
+    let location = if path == "." { "JSON".to_owned() } else { path };
+    let message = error.inner().to_string();
+    // The path says more than the line of a text that people rarely see.
+    let message = message.split(" at line ").next().unwrap_or(&message);
+    file.refused(location, abbreviate(message))
 }
