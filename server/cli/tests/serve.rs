@@ -12,7 +12,7 @@ use tokio_tungstenite::tungstenite::Message;
 
 const TOKEN: &str = "a-server's+token/of=this&test";
 /// How long a first start on a cold cache of kernels may take.
-const START_WITHIN: Duration = Duration::from_secs(120);
+const START_WITHIN: Duration = Duration::from_mins(2);
 
 fn tyndall(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tyndall"))
@@ -30,6 +30,7 @@ fn fog(folder: &TempDir) -> String {
     let scene = json!({
         "version": 1,
         "camera": {"position": [0, 0, 5], "target": [0, 0, 0]},
+        "lights": [{"kind": "point", "position": [0, 3, 3], "intensity": 50}],
         "media": [{"kind": "homogeneous", "sigma_s": 0.05, "sigma_a": 0.01}],
         "render": {"samples": 1, "correction": "off"},
     });
@@ -93,11 +94,13 @@ async fn the_log_has_no_colours_and_no_secrets_and_says_last_where_to_look() {
         .spawn()
         .expect("the binary starts");
     let mut log = child.stderr.take().expect("a pipe");
-    let log = std::thread::spawn(move || {
+    let read = move || {
         let mut bytes = Vec::new();
         log.read_to_end(&mut bytes).expect("a log");
         String::from_utf8_lossy(&bytes).into_owned()
-    });
+    };
+    let reader = std::thread::Builder::new().name("log".to_owned());
+    let log = reader.spawn(read).expect("a thread");
     let mut out = BufReader::new(child.stdout.take().expect("a pipe")).lines();
     let line = out.next().expect("a line").expect("text");
     let address = line

@@ -43,10 +43,9 @@ impl Attempts {
     pub(crate) fn check(&self, address: IpAddr, now: Instant) -> Result<(), Duration> {
         let paid = lock(&self.paid)[self.slot(address)];
         let debt = paid.map_or(Duration::ZERO, |paid| paid.saturating_duration_since(now));
-        if debt <= MOST {
-            Ok(())
-        } else {
-            Err(debt - MOST)
+        match debt.saturating_sub(MOST) {
+            Duration::ZERO => Ok(()),
+            wait => Err(wait),
         }
     }
 

@@ -314,7 +314,8 @@ mod tests {
             encode(&mut encoder, job)
         });
         assert_eq!(readiness.panics(), (0, 1));
-        let Some(Outgoing::Message(ServerMessage::Error(error))) = sessions[0].outbox.take() else {
+        let Some(Outgoing::Message(ServerMessage::Error(error))) = sessions[0].outbox.take(1)
+        else {
             panic!("the session is not told");
         };
         assert_eq!(

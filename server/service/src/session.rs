@@ -22,6 +22,9 @@ use crate::bell::lock;
 use crate::clock::Clock;
 use crate::outbox::Outbox;
 
+/// Number of the connection that opens a session.
+const FIRST: u64 = 1;
+
 /// Why a session refused a change; its state is as before.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Refusal {
@@ -126,7 +129,7 @@ impl Session {
             id,
             token,
             pacing: Mutex::new(Pacing::new(PacingSettings::default())),
-            outbox: Outbox::default(),
+            outbox: Outbox::new(FIRST),
             state: Mutex::new(State {
                 description: Arc::new(scene.description.clone()),
                 steered: None,
@@ -137,7 +140,7 @@ impl Session {
                 visible: true,
                 dropped: None,
             }),
-            connection: watch::Sender::new(1),
+            connection: watch::Sender::new(FIRST),
         }
     }
 
@@ -212,9 +215,10 @@ impl Session {
         state.dropped = None;
         drop(state);
         lock(&self.pacing).reconnect();
-        self.outbox.reconnect();
-        self.connection.send_modify(|number| *number += 1);
-        *self.connection.borrow()
+        let number = *self.connection.borrow() + 1;
+        self.outbox.reconnect(number);
+        self.connection.send_replace(number);
+        number
     }
 
     /// The connection has ended; false when another one owns the session by now.

@@ -90,12 +90,15 @@ async fn plans_are_for_the_device_that_renders() {
     let server = start(scene(1)).await;
     let plan = async || server.get("/v1/plan?preset=street_night").await.2;
     let unbounded = plan().await;
-    server.script.loop_cap.store(64, Ordering::SeqCst);
-    // Another device has another driver.
-    server.script.lose.store(true, Ordering::SeqCst);
     let (mut client, _) = Client::enter(&server, hello()).await;
-    client.json("error").await;
     client.frame().await;
+    // Another device has another driver.
+    server.script.loop_cap.store(64, Ordering::SeqCst);
+    server.script.lose.store(true, Ordering::SeqCst);
+    client.say(camera(1, 2.0)).await;
+    client.json("error").await;
+    client.say(camera(2, 3.0)).await;
+    client.frame_where(|frame| frame.applied_input == 2).await;
     assert_ne!(plan().await, unbounded);
     server.stop().await;
 }
@@ -158,6 +161,8 @@ async fn edits_of_a_session_wait_for_their_share_of_time() {
 
 #[tokio::test]
 async fn a_picture_that_makes_the_renderer_panic_is_refused_and_others_go_on() {
+    // A report with all its frames takes seconds on a busy machine.
+    std::panic::set_hook(Box::new(|info| println!("{info}")));
     let server = start(scene(ENDLESS)).await;
     let (mut other, _) = Client::enter(&server, hello()).await;
     other.frame().await;

@@ -153,6 +153,9 @@ async fn open(app: &Arc<App>, hello: &Hello, accepts: Accepts) -> Result<Connect
         number,
     };
     let session = &connection.session;
+    // Before anything waits, so that no frame is begun in another size.
+    let input = session.input();
+    let told = resize(&app.limits, session, input, hello.width, hello.height);
     session.outbox.push(ServerMessage::Welcome(Welcome {
         protocol: PROTOCOL_VERSION,
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -165,8 +168,7 @@ async fn open(app: &Arc<App>, hello: &Hello, accepts: Accepts) -> Result<Connect
     if let Some(scene) = scene_message(session).await {
         session.outbox.push(ServerMessage::Scene(Box::new(scene)));
     }
-    let input = session.input();
-    if let Some(told) = resize(&app.limits, session, input, hello.width, hello.height) {
+    if let Some(told) = told {
         session.outbox.push(told);
     }
     app.sessions.bell.ring();

@@ -166,7 +166,7 @@ async fn converse(app: Arc<App>, socket: WebSocket) {
             tracing::info!(session, "connected");
             let farewell = talk(&connection, &mut sink, &mut stream).await;
             // What explains the end goes out before it.
-            let flushed = write::messages_only(&connection.session, &mut sink);
+            let flushed = write::messages_only(&connection.session, connection.number, &mut sink);
             if tokio::time::timeout(CLOSE_WITHIN, flushed).await.is_err() {
                 tracing::debug!(session, "the last messages did not leave in time");
             }
@@ -201,11 +201,12 @@ async fn converse(app: Arc<App>, socket: WebSocket) {
 /// What a connection that broke tells: a message that is no message, or that nobody is there any more.
 fn broken(error: axum::Error) -> Farewell {
     match error.into_inner().downcast_ref::<WebSocketError>() {
-        Some(WebSocketError::Capacity(_) | WebSocketError::Utf8(_)) => Farewell::TOO_LONG,
         Some(WebSocketError::Protocol(ProtocolError::ResetWithoutClosingHandshake)) => {
             Farewell::ABORTED
         }
-        Some(WebSocketError::Protocol(_)) => Farewell::TOO_LONG,
+        Some(
+            WebSocketError::Capacity(_) | WebSocketError::Utf8(_) | WebSocketError::Protocol(_),
+        ) => Farewell::TOO_LONG,
         _ => Farewell::ABORTED,
     }
 }
@@ -219,7 +220,7 @@ async fn talk(connection: &Connection, sink: &mut Sink, stream: &mut Stream) -> 
     } = connection;
     tokio::select! {
         farewell = read::run(app, session, stream) => farewell,
-        farewell = write::run(app, session, sink) => farewell,
+        farewell = write::run(app, session, *number, sink) => farewell,
         () = session.taken_from(*number) => Farewell::TAKEN_OVER,
         () = app.shutdown.cancelled() => Farewell::GOING_DOWN,
     }
