@@ -201,7 +201,9 @@ impl<B: Backend> RenderThread<B> {
         let Some(frame_id) = lock(&seat.session.pacing).begin(now) else {
             return Ok(false);
         };
+        seat.starting = Some(frame_id);
         let outcome = backend.render(&mut picture.view, u64::from(frame_id));
+        seat.starting = None;
         if !matches!(outcome, Ok(RenderOutcome::Submitted)) {
             lock(&seat.session.pacing).discard(frame_id);
         }

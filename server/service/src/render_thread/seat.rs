@@ -31,6 +31,8 @@ pub(super) struct Seat<V> {
     pub(super) session: Arc<Session>,
     pub(super) picture: Option<Picture<V>>,
     pub(super) flight: Option<Flight>,
+    /// Number of a frame that the renderer is being asked to start.
+    pub(super) starting: Option<u32>,
     /// Input and epoch of the newest frame that was begun.
     pub(super) answered: Option<(u64, u32)>,
     /// The wish that the device was last asked to show.
@@ -55,6 +57,7 @@ impl<V> Seat<V> {
             session,
             picture: None,
             flight: None,
+            starting: None,
             answered: None,
             asked: None,
             refused: None,
@@ -77,8 +80,9 @@ impl<V> Seat<V> {
             );
         }
         self.preparing = false;
-        if let Some(flight) = self.flight.take() {
-            lock(&self.session.pacing).discard(flight.frame_id);
+        let flight = self.flight.take().map(|flight| flight.frame_id);
+        for frame_id in flight.into_iter().chain(self.starting.take()) {
+            lock(&self.session.pacing).discard(frame_id);
         }
     }
 
