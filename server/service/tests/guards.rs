@@ -137,6 +137,14 @@ async fn rebound_names_and_other_pages_read_nothing_from_any_route() {
         let answer = raw(path, &same).await;
         assert!(!answer.starts_with("HTTP/1.1 403 "), "{path}: {answer}");
     }
+    let twice = format!("{own}{rebound}");
+    for (target, headers) in [
+        ("/metrics", &twice),
+        ("http://evil.example.org/metrics", &own),
+    ] {
+        let answer = raw(target, headers).await;
+        assert!(answer.starts_with("HTTP/1.1 403 "), "{target}: {answer}");
+    }
     let answer = raw("/v1/access", &other_scheme).await;
     let advice = format!("--allow-origin https://127.0.0.1:{port}");
     assert!(answer.contains(&advice), "{answer}");

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use tyndall_stream::protocol::ErrorCode;
@@ -23,7 +23,7 @@ const SHOWN: usize = 120;
 /// Refuses requests for other names and of other sites' pages, and tells the browser which socket a page
 /// of this server may open.
 pub(super) async fn check(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
-    let checked = checked(&app, request.headers());
+    let checked = checked(&app, request.uri(), request.headers());
     let policy = content_security_policy(checked.as_ref().ok().and_then(Option::as_ref));
     let mut response = match checked {
         Ok(_host) => next.run(request).await,
@@ -38,9 +38,13 @@ pub(super) async fn check(State(app): State<Arc<App>>, request: Request, next: N
 }
 
 /// The host that a request which may pass was sent to, if it names one.
-fn checked(app: &App, headers: &HeaderMap) -> Result<Option<Host>, Problem> {
+fn checked(app: &App, uri: &Uri, headers: &HeaderMap) -> Result<Option<Host>, Problem> {
     let refuse = |why: String| Err(Problem::new(ErrorCode::OriginRefused, why));
-    let host = headers.get(header::HOST);
+    let mut hosts = headers.get_all(header::HOST).iter();
+    let host = hosts.next();
+    if hosts.next().is_some() {
+        return refuse("the request has more than one Host header".to_owned());
+    }
     let host = match host.map(|host| (host, host.to_str().ok().and_then(Host::parse))) {
         None => None,
         Some((_, Some(host))) => Some(host),
@@ -51,6 +55,11 @@ fn checked(app: &App, headers: &HeaderMap) -> Result<Option<Host>, Problem> {
             ));
         }
     };
+    // A whole address as the target, as proxies are asked for it.
+    let target = uri.authority().map(|target| Host::parse(target.as_str()));
+    if target.is_some_and(|target| target != host) {
+        return refuse("the address of the request and its Host header differ".to_owned());
+    }
     let allowed = &app.allowed_origins;
     if let Some(host) = &host
         && app.token.is_none()
