@@ -269,6 +269,16 @@ npm_packages() {
     cp "$1/package-lock.json" "$stamp"
 }
 
+# page_is_current: whether web/dist was built after every change of what it is
+# built from; a file that is gone changes its folder.
+page_is_current() {
+    local newer
+    [ -e web/dist/index.html ] || return 1
+    newer=$(find web -mindepth 1 \( -path web/node_modules -o -path web/dist \) -prune \
+        -o -newer web/dist/index.html -print -quit) || return 1
+    [ -z "$newer" ]
+}
+
 # The Vulkan loader and Mesa complain of a missing one at every start.
 ensure_runtime_dir() {
     if [ ! -d "${XDG_RUNTIME_DIR:-}" ]; then

@@ -15,9 +15,13 @@ require_rust
 ensure_system_packages
 ensure_node
 
-say 'building the page (web/)'
-npm_packages web || die 'the packages of the page could not be fetched: see the message of npm above (network?)'
-(cd web && npm run --silent build) || die 'the page did not build: see the message above'
+if page_is_current; then
+    say 'the page is built already (web/dist)'
+else
+    say 'building the page (web/)'
+    npm_packages web || die 'the packages of the page could not be fetched: see the message of npm above (network?)'
+    (cd web && npm run --silent build) || die 'the page did not build: see the message above'
+fi
 
 say 'building the server (release profile, several minutes the first time)'
 fetch_crates

@@ -18,7 +18,7 @@ STAGES=(scripts web format build lint rust doctest docs browser)
 LOGS=$PWD/target/test-logs
 
 # Stage bodies run under `||`, where `set -e` does not act: steps are joined by &&.
-stage_scripts() { shellcheck -x deploy/*.sh .ci/run && bash deploy/count_test.sh; }
+stage_scripts() { shellcheck -x deploy/*.sh .ci/run && bash deploy/count_test.sh && bash deploy/lib_test.sh; }
 
 stage_web() {
     npm_packages web &&

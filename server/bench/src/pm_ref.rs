@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 use serde_json::json;
+use tyndall_files::regular::{self, ReadError};
 use tyndall_scene::{SceneDescription, SceneError, parse_json};
 
 /// Why a reference scene was not converted.
@@ -42,6 +43,19 @@ pub enum PmRefError {
     },
 }
 
+/// Longest file. Unit: byte.
+const LONGEST: u64 = 64 << 20;
+
+/// The text of a regular file.
+pub(crate) fn text(path: &Path) -> std::io::Result<String> {
+    let wrong = |what: String| std::io::Error::new(std::io::ErrorKind::InvalidData, what);
+    let bytes = regular::read(path, LONGEST).map_err(|error| match error {
+        ReadError::Io(error) => error,
+        too_large @ ReadError::TooLarge { .. } => wrong(too_large.to_string()),
+    })?;
+    String::from_utf8(bytes).map_err(|error| wrong(error.to_string()))
+}
+
 /// Loads a `pm-ref/1` scene.
 ///
 /// Grid media keep their path, which is relative to the folder above the scene's own; everything
@@ -50,7 +64,7 @@ pub enum PmRefError {
 /// # Errors
 /// [`PmRefError`] if the file can't be read, is of another schema, or is not valid here.
 pub fn load(path: &Path) -> Result<SceneDescription, PmRefError> {
-    let text = std::fs::read_to_string(path).map_err(|source| PmRefError::Io {
+    let text = text(path).map_err(|source| PmRefError::Io {
         file: path.to_owned(),
         source,
     })?;

@@ -43,7 +43,7 @@ impl Subject {
     /// [`BenchError`] if it is, but can't be converted or built.
     pub fn pm_ref(path: &Path) -> Result<Option<Self>, BenchError> {
         let is_json = path.extension().is_some_and(|ending| ending == "json");
-        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let text = pm_ref::text(path).unwrap_or_default();
         let is_pm_ref = serde_json::from_str::<serde_json::Value>(&text)
             .is_ok_and(|value| value["schema"] == "pm-ref/1");
         if !is_json || !is_pm_ref {

@@ -7,6 +7,7 @@ mod commands;
 mod output;
 mod scene_argument;
 
+use std::io::IsTerminal as _;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -44,7 +45,7 @@ enum Command {
     Check(commands::check::Check),
     /// List the adapters, best first.
     Adapters(commands::adapters::Adapters),
-    /// Measure frames: time of every pass, noise, memory.
+    /// Measure run time against error, over scenes, techniques and settings.
     Bench(commands::bench::Bench),
 }
 
@@ -66,17 +67,50 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("tyndall: {error:#}");
+            eprintln!("tyndall: {}", one_line(&error));
             ExitCode::FAILURE
         }
     }
 }
 
+/// Whatever is asked for: the names of sessions, which are secret, stand in what these libraries print of
+/// their messages, and the list of the page's files is of no use to anybody.
+const KEPT_QUIET: [&str; 5] = [
+    "hyper=info",
+    "hyper_util=info",
+    "memory_serve=warn",
+    "tokio_tungstenite=info",
+    "tungstenite=info",
+];
+
+/// An error and its causes in one line, in which nothing is said twice: many errors name their cause
+/// themselves.
+fn one_line(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |line, cause| {
+        let cause = cause.to_string();
+        if line.contains(&cause) {
+            line
+        } else if line.is_empty() || cause.contains(&line) {
+            cause
+        } else {
+            format!("{line}: {cause}")
+        }
+    })
+}
+
 fn start_log(arguments: &Arguments) -> Result<(), String> {
     let filter = tracing_subscriber::EnvFilter::try_new(&arguments.log)
         .map_err(|error| format!("--log {:?}: {error}", arguments.log))?;
+    let filter = KEPT_QUIET.iter().try_fold(filter, |filter, directive| {
+        let parsed = directive
+            .parse()
+            .map_err(|error| format!("{directive}: {error}"));
+        parsed.map(|directive| filter.add_directive(directive))
+    })?;
+    let wants_colour = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let builder = tracing_subscriber::fmt()
         .with_env_filter(filter)
+        .with_ansi(wants_colour && std::io::stderr().is_terminal())
         .with_writer(std::io::stderr);
     if arguments.log_json {
         builder.json().init();
@@ -84,4 +118,20 @@ fn start_log(arguments: &Arguments) -> Result<(), String> {
         builder.init();
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_says_nothing_twice() {
+        let inner = anyhow::anyhow!("no such file");
+        let named = inner
+            .context("scene: a.json: no such file")
+            .context("a.json");
+        assert_eq!(one_line(&named), "scene: a.json: no such file");
+        let other = anyhow::anyhow!("too dark").context("FLIP");
+        assert_eq!(one_line(&other), "FLIP: too dark");
+    }
 }

@@ -2,7 +2,11 @@
 
 use std::path::PathBuf;
 
+use tyndall_files::regular::{self, ReadError};
 use tyndall_quality::QualityError;
+
+/// Largest file that is read. Unit: byte.
+const LARGEST: u64 = 4 << 30;
 
 /// Why a picture can't be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -66,4 +70,12 @@ impl PictureError {
             what: what.to_string(),
         }
     }
+}
+
+/// The bytes of a regular file.
+pub(crate) fn whole(path: &std::path::Path) -> Result<Vec<u8>, PictureError> {
+    regular::read(path, LARGEST).map_err(|error| match error {
+        ReadError::Io(source) => PictureError::io(path, source),
+        too_large @ ReadError::TooLarge { .. } => PictureError::content(path, too_large),
+    })
 }

@@ -1,21 +1,43 @@
 //! `OpenEXR` to layers: this program's files, and the R, G and B of anybody else's.
 
+use std::io::Cursor;
 use std::path::Path;
 
 use exr::error::Error;
-use exr::prelude::{AttributeValue, read_first_flat_layer_from_file};
+use exr::prelude::{AttributeValue, ReadChannels as _, ReadLayers as _};
+use tyndall_files::{ExrLimits, guarded, read_exr_header};
 
+use crate::error::whole;
 use crate::{Layers, Metadata, PictureError};
+
+/// Largest file that is read: 8K with every layer of this program.
+const LIMITS: ExrLimits = ExrLimits {
+    pixels: 64 << 20,
+    channels: 64,
+    bytes: 4 << 30,
+};
 
 /// Reads the first part of a file.
 ///
 /// # Errors
 /// [`PictureError`] if it can't be read, or has neither R, G and B nor Y.
 pub fn read_exr(path: &Path) -> Result<(Layers, Metadata), PictureError> {
-    let image = read_first_flat_layer_from_file(path).map_err(|error| match error {
+    let refused = |error| match error {
         Error::Io(source) => PictureError::io(path, source),
         other => PictureError::content(path, other),
-    })?;
+    };
+    let bytes = whole(path)?;
+    read_exr_header(&bytes, LIMITS).map_err(|error| PictureError::content(path, error))?;
+    let decode = || {
+        let parts = exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level();
+        let layer = parts.all_channels().first_valid_layer().all_attributes();
+        layer.from_buffered(Cursor::new(&bytes))
+    };
+    let image = guarded("OpenEXR", decode)
+        .map_err(|failed| PictureError::content(path, failed))?
+        .map_err(refused)?;
     let layer = image.layer_data;
     let plane = |name: &str| -> Option<Vec<f32>> {
         let channels = layer.channel_data.list.iter();
@@ -125,6 +147,29 @@ mod tests {
         };
         write_exr(&path, &bare, &Metadata::default()).unwrap();
         assert_eq!(read_exr(&path).unwrap().0, bare);
+    }
+
+    #[test]
+    fn a_file_that_asks_for_terabytes_is_refused_by_its_header() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.exr");
+        let layers = Layers {
+            width: 1,
+            height: 1,
+            beauty: vec![[0.5; 3]],
+            ..Layers::default()
+        };
+        write_exr(&path, &layers, &Metadata::default()).unwrap();
+        let mut bytes = std::fs::read(&path).unwrap();
+        let name = b"dataWindow\0box2i\0";
+        let at = bytes.windows(name.len()).position(|window| window == name);
+        let corner = at.unwrap() + name.len() + 4 + 8;
+        let far = 1_600_000_i32.to_le_bytes();
+        bytes[corner..corner + 8].copy_from_slice(&[far, far].concat());
+        std::fs::write(&path, bytes).unwrap();
+        let error = read_exr(&path).unwrap_err().to_string();
+        assert!(error.contains("x.exr: "), "{error}");
+        assert!(error.contains("pixels is 2560003200001"), "{error}");
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! `NumPy` arrays of pixels: `.npy`, and the `mean` and `stderr` of an `.npz`.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+use tyndall_files::{guarded, regular};
 use tyndall_quality::Image;
 use tyndall_volume::npy::Array;
 use tyndall_volume::npz;
@@ -20,11 +20,7 @@ const AXES: &str = "(height, width, 3 or more)";
 /// # Errors
 /// [`PictureError`] with what was found instead.
 pub fn read_npy(path: &Path) -> Result<Image, PictureError> {
-    let file = File::open(path).map_err(|error| PictureError::io(path, error))?;
-    let length = file
-        .metadata()
-        .map_err(|error| PictureError::io(path, error))?
-        .len();
+    let (file, length) = regular::open(path).map_err(|error| PictureError::io(path, error))?;
     let array = Array::read(&mut BufReader::new(file), length, LARGEST, AXES)
         .map_err(|error| PictureError::content(path, error))?;
     let (width, height, rgb) = pixels(&array).map_err(|what| PictureError::content(path, what))?;
@@ -33,12 +29,15 @@ pub fn read_npy(path: &Path) -> Result<Image, PictureError> {
 
 /// Reads arrays `mean` and, if there, `stderr` (standard error, squared into the variance).
 pub(crate) fn read_npz(path: &Path) -> Result<Image, PictureError> {
-    let file = File::open(path).map_err(|error| PictureError::io(path, error))?;
+    let (file, _length) = regular::open(path).map_err(|error| PictureError::io(path, error))?;
     let member = |name: &str| -> Result<_, PictureError> {
         let content = |what: &dyn std::fmt::Display| {
             PictureError::content(path, format_args!("{name}: {what}"))
         };
-        let array = npz::read_array(BufReader::new(&file), name, LARGEST, AXES);
+        let array = guarded("zip", || {
+            npz::read_array(BufReader::new(&file), name, LARGEST, AXES)
+        });
+        let array = array.map_err(|failed| content(&failed))?;
         let array = array.map_err(|error| content(&error))?;
         let read = array.map(|array| pixels(&array)).transpose();
         read.map_err(|what| content(&what))
@@ -69,6 +68,7 @@ fn pixels(array: &Array) -> Result<(u32, u32, Vec<[f32; 3]>), String> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs::File;
     use std::io::Write as _;
 
     use super::*;

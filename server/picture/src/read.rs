@@ -2,11 +2,20 @@
 
 use std::path::Path;
 
+use image::DynamicImage;
+use tyndall_files::{ImageLimits, decode_image, decode_radiance};
 use tyndall_quality::Image;
 
 use crate::display::decode_srgb;
+use crate::error::whole;
 use crate::npy::{read_npy, read_npz};
 use crate::{PictureError, read_exr};
+
+/// Largest picture that is read.
+const LIMITS: ImageLimits = ImageLimits {
+    side: 65_536,
+    pixels: 64 << 20,
+};
 
 /// What the values of a picture mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,8 +47,8 @@ pub fn read(path: &Path) -> Result<Picture, PictureError> {
         "exr" => (read_exr(path)?.0.image()?, Range::Hdr),
         "npy" => (read_npy(path)?, Range::Hdr),
         "npz" => (read_npz(path)?, Range::Hdr),
-        "hdr" => (decode(path, |value| value)?, Range::Hdr),
-        "png" | "jpg" | "jpeg" => (decode(path, decode_srgb)?, Range::Ldr),
+        "hdr" => (radiance(path)?, Range::Hdr),
+        "png" | "jpg" | "jpeg" => (displayed(path)?, Range::Ldr),
         _ => {
             return Err(PictureError::Format {
                 file: path.to_owned(),
@@ -50,12 +59,20 @@ pub fn read(path: &Path) -> Result<Picture, PictureError> {
     Ok(Picture { image, range })
 }
 
-fn decode(path: &Path, linear: impl Fn(f32) -> f32) -> Result<Image, PictureError> {
-    let decoded = image::ImageReader::open(path)
-        .map_err(|error| PictureError::io(path, error))?
-        .decode()
-        .map_err(|error| PictureError::content(path, error))?
-        .to_rgb32f();
+fn radiance(path: &Path) -> Result<Image, PictureError> {
+    let decoded = decode_radiance(&whole(path)?, LIMITS);
+    let (picture, _exposure) = decoded.map_err(|error| PictureError::content(path, error))?;
+    image(&picture, |value| value)
+}
+
+fn displayed(path: &Path) -> Result<Image, PictureError> {
+    let decoded = decode_image(&whole(path)?, LIMITS);
+    let picture = decoded.map_err(|error| PictureError::content(path, error))?;
+    image(&picture, decode_srgb)
+}
+
+fn image(picture: &DynamicImage, linear: impl Fn(f32) -> f32) -> Result<Image, PictureError> {
+    let decoded = picture.to_rgb32f();
     let (width, height) = decoded.dimensions();
     let pixels = decoded.pixels().map(|pixel| pixel.0.map(&linear)).collect();
     Ok(Image::new(width, height, pixels)?)

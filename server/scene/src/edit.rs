@@ -81,32 +81,29 @@ pub fn apply_edit(
     Ok((edited, scene))
 }
 
-/// Looks at a scene through another camera, whose keyframes are left out: a camera that is steered
-/// follows no track. Does what [`apply_edit`] does with that camera, but checks the camera alone and
-/// builds nothing else anew. On an error both stay as they are.
+/// Checks a camera alone: what [`seen_through`] asks of it. Looks at nothing else of a scene.
 ///
 /// # Errors
 /// [`SceneError`] with the JSON path in the camera.
-pub fn steer(
-    description: &mut Arc<SceneDescription>,
-    scene: &mut Arc<Scene>,
-    camera: &CameraDescription,
-) -> Result<(), SceneError> {
-    let camera = CameraDescription {
-        keyframes: Vec::new(),
-        ..camera.clone()
+pub fn check_camera(camera: &CameraDescription) -> Result<(), SceneError> {
+    validate::camera(camera)
+}
+
+/// A scene seen through another camera, which [`check_camera`] let pass; its keyframes are left out: a
+/// camera that is steered follows no track. Gives what [`apply_edit`] gives with that camera, but builds
+/// nothing else anew.
+pub fn seen_through(scene: &Scene, camera: &CameraDescription) -> Scene {
+    let mut seen = Scene {
+        camera: build::camera(camera),
+        ..scene.clone()
     };
-    validate::camera(&camera)?;
-    let scene = Arc::make_mut(scene);
-    scene.camera = build::camera(&camera);
-    let followed = scene.animation.as_ref().filter(|a| a.camera.is_some());
+    let followed = seen.animation.as_ref().filter(|a| a.camera.is_some());
     if let Some(animation) = followed {
         let animation = Animation {
             camera: None,
             ..Animation::clone(animation)
         };
-        scene.animation = (animation != Animation::default()).then(|| Arc::new(animation));
+        seen.animation = (animation != Animation::default()).then(|| Arc::new(animation));
     }
-    Arc::make_mut(description).camera = camera;
-    Ok(())
+    seen
 }

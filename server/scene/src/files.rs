@@ -1,9 +1,10 @@
 //! Files of a scene: nothing outside the scene's folder is ever opened.
 
-use std::cell::Cell;
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use tyndall_files::regular::{self, ReadError};
 
 use crate::error::{SceneError, abbreviate};
 use crate::limits::Limits;
@@ -52,7 +53,7 @@ pub(crate) struct Folder<'a> {
     /// Canonical; `None` if the scene has no folder.
     root: Option<PathBuf>,
     limits: &'a Limits,
-    bytes_read: Cell<u64>,
+    bytes_read: AtomicU64,
 }
 
 impl<'a> Folder<'a> {
@@ -67,7 +68,7 @@ impl<'a> Folder<'a> {
         Ok(Self {
             root,
             limits,
-            bytes_read: Cell::new(0),
+            bytes_read: AtomicU64::new(0),
         })
     }
 
@@ -81,7 +82,7 @@ impl<'a> Folder<'a> {
                 "no files, as the scene was not loaded from one",
             ));
         };
-        let io = |source| SceneError::Io {
+        let io = |source: io::Error| SceneError::Io {
             path: path.to_owned(),
             file: file.to_owned(),
             source,
@@ -94,12 +95,7 @@ impl<'a> Folder<'a> {
                 "a file inside the scene's folder",
             ));
         }
-        if !real.metadata().map_err(io)?.is_file() {
-            return Err(io(io::Error::new(
-                io::ErrorKind::InvalidInput,
-                "not a regular file",
-            )));
-        }
+        regular::check(&real.metadata().map_err(io)?).map_err(io)?;
         Ok(real)
     }
 
@@ -125,17 +121,17 @@ impl<'a> Folder<'a> {
     /// Reads a whole file, if it is inside the folder and within the limits.
     pub(crate) fn read(&self, path: &str, file: &str) -> Result<Vec<u8>, SceneError> {
         let real = self.locate(path, file)?;
-        let bytes = read_limited(&real, self.limits.file_bytes).map_err(|error| match error {
+        let bytes = regular::read(&real, self.limits.file_bytes).map_err(|error| match error {
             ReadError::Io(source) => SceneError::Io {
                 path: path.to_owned(),
                 file: file.to_owned(),
                 source,
             },
-            ReadError::TooLarge(found) => SceneError::Limit {
+            ReadError::TooLarge { found, limit } => SceneError::Limit {
                 path: path.to_owned(),
                 what: "size of the file in bytes",
                 found,
-                limit: self.limits.file_bytes,
+                limit,
             },
         })?;
         self.spend(path, bytes.len() as u64)?;
@@ -144,7 +140,8 @@ impl<'a> Folder<'a> {
 
     /// Takes bytes from the budget of the whole scene.
     pub(crate) fn spend(&self, path: &str, bytes: u64) -> Result<(), SceneError> {
-        let found = self.bytes_read.get().saturating_add(bytes);
+        let before = self.bytes_read.fetch_add(bytes, Ordering::Relaxed);
+        let found = before.saturating_add(bytes);
         if found > self.limits.total_bytes {
             return Err(SceneError::Limit {
                 path: path.to_owned(),
@@ -153,30 +150,6 @@ impl<'a> Folder<'a> {
                 limit: self.limits.total_bytes,
             });
         }
-        self.bytes_read.set(found);
         Ok(())
     }
-}
-
-/// Why a file was not read.
-pub(crate) enum ReadError {
-    Io(io::Error),
-    TooLarge(u64),
-}
-
-/// Reads a whole regular file of at most `limit` bytes.
-pub(crate) fn read_limited(file: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
-    let opened = File::open(file).map_err(ReadError::Io)?;
-    let length = opened.metadata().map_err(ReadError::Io)?.len();
-    if length > limit {
-        return Err(ReadError::TooLarge(length));
-    }
-    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // The file may grow while it is read.
-    let read = opened.take(limit + 1).read_to_end(&mut bytes);
-    let read = read.map_err(ReadError::Io)? as u64;
-    if read > limit {
-        return Err(ReadError::TooLarge(read));
-    }
-    Ok(bytes)
 }

@@ -21,10 +21,10 @@ mod scene;
 mod schema;
 mod validate;
 
-pub use build::{Loaded, build, build_with};
+pub use build::{Loaded, build, build_with, outline};
 pub use description::SceneDescription;
 pub use description::parse::{parse_json, parse_value};
-pub use edit::{SceneEdit, apply_edit, steer};
+pub use edit::{SceneEdit, apply_edit, check_camera, seen_through};
 pub use error::SceneError;
 pub use facts::{SceneFacts, facts};
 pub use limits::Limits;

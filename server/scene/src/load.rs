@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
+use tyndall_files::regular::{self, ReadError};
 
 use crate::build::{Loaded, build_with, with_file_camera};
 use crate::description::geometry::{GltfGeometry, ObjGeometry};
@@ -15,8 +16,8 @@ use crate::description::{
 };
 use crate::error::SceneError;
 use crate::facts::facts;
-use crate::files::{Folder, ReadError, read_limited};
-use crate::import::Assets;
+use crate::files::Folder;
+use crate::import::{Assets, Grids};
 use crate::limits::Limits;
 
 /// Optical depth of the default fog across a bare model.
@@ -69,13 +70,13 @@ fn scene_text(path: &Path, limits: &Limits) -> Result<String, SceneError> {
         file: path.display().to_string(),
         source,
     };
-    let bytes = read_limited(path, limits.scene_bytes).map_err(|error| match error {
+    let bytes = regular::read(path, limits.scene_bytes).map_err(|error| match error {
         ReadError::Io(source) => io(source),
-        ReadError::TooLarge(found) => SceneError::Limit {
+        ReadError::TooLarge { found, limit } => SceneError::Limit {
             path: String::new(),
             what: "size of the file in bytes",
             found,
-            limit: limits.scene_bytes,
+            limit,
         },
     })?;
     String::from_utf8(bytes)
@@ -126,6 +127,7 @@ fn bare_model(
         &loaded.description,
         &Folder::open(Some(folder), limits)?,
         limits,
+        Grids::Made,
         &mut loaded.warnings,
     )?;
     let geometry = loaded.scene.geometry.clone();

@@ -333,7 +333,7 @@ fn limits_are_named() {
 }
 
 #[test]
-fn truncated_and_flipped_files_never_panic() {
+fn truncated_files_never_panic() {
     let folder = tempfile::tempdir().unwrap();
     let mut json = triangle();
     json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
@@ -345,24 +345,6 @@ fn truncated_and_flipped_files_never_panic() {
     for length in 0..good.len() {
         load(&write(folder.path(), "a.glb", &good[..length])).unwrap_err();
     }
-    // A fixed generator: the same ten thousand files every time.
-    let mut state = 0x2545_f491_4f6c_dd1d_u64;
-    let mut random = |below: usize| {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state % below as u64) as usize
-    };
-    let mut loaded = 0;
-    for _ in 0..10_000 {
-        let mut bytes = good.clone();
-        for _ in 0..=random(4) {
-            let at = random(bytes.len());
-            bytes[at] ^= 1 << random(8);
-        }
-        loaded += usize::from(load(&write(folder.path(), "a.glb", &bytes)).is_ok());
-    }
-    println!("{loaded} of 10000 flipped files load");
 }
 
 #[test]

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use tyndall_render::{
-    AdapterKind, AdapterSummary, Device, DeviceOptions, FailedFrame, FinishedFrame, Prepared,
-    RenderError, RenderOutcome, Renderer, View,
+    AdapterKind, AdapterSummary, Device, DeviceOptions, FailedFrame, FinishedFrame, MemoryBudget,
+    PlanLimits, Prepared, RenderError, RenderOutcome, Renderer, View,
 };
 use tyndall_scene::Scene;
 use tyndall_stream::protocol;
@@ -22,6 +22,8 @@ pub trait Backend {
 
     /// What renders.
     fn adapter(&self) -> protocol::Adapter;
+    /// What the planner must respect on this device.
+    fn plan_limits(&self) -> PlanLimits;
     /// Gets ready what a picture of `scene` in this size needs, on other threads where that takes
     /// long; asked again until it is. Never blocks. Unit of the size: pixel.
     fn prepare(
@@ -86,11 +88,12 @@ impl Wgpu {
     ///
     /// # Errors
     /// [`ServeError::Device`] and [`ServeError::Renderer`].
-    pub fn open(options: &DeviceOptions) -> Result<Self, ServeError> {
+    pub fn open(options: &DeviceOptions, memory: MemoryBudget) -> Result<Self, ServeError> {
         let device = Device::open(options)?;
         let mut renderer = Renderer::new(device)?;
         // Nobody waits for the whole of another's long frame.
         renderer.set_in_parts(true);
+        renderer.set_memory_budget(memory);
         Ok(Self { renderer })
     }
 }
@@ -100,6 +103,10 @@ impl Backend for Wgpu {
 
     fn adapter(&self) -> protocol::Adapter {
         adapter(self.renderer.adapter())
+    }
+
+    fn plan_limits(&self) -> PlanLimits {
+        self.renderer.plan_limits()
     }
 
     fn prepare(

@@ -5,6 +5,7 @@
 //! being compressed, so frames of a session leave in order.
 
 use std::collections::{HashSet, VecDeque};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
@@ -17,6 +18,8 @@ use tyndall_stream::protocol::{ErrorCode, ErrorMessage, PassTime, ServerMessage,
 use crate::bell::lock;
 use crate::options::ServeError;
 use crate::outbox::EncodedFrame;
+use crate::panics::words;
+use crate::render_thread::{Place, Readiness};
 use crate::session::{Session, Wish};
 use crate::telemetry;
 
@@ -52,7 +55,7 @@ pub(crate) struct EncoderPool {
 
 impl EncoderPool {
     /// Starts `threads` threads, at least one.
-    pub(crate) fn start(threads: usize) -> Result<Self, ServeError> {
+    pub(crate) fn start(threads: usize, readiness: &Arc<Readiness>) -> Result<Self, ServeError> {
         let shared = Arc::new(Shared::default());
         let fault = |reason: String| ServeError::Thread {
             name: "encoder",
@@ -60,11 +63,11 @@ impl EncoderPool {
         };
         let threads = (0..threads.max(1))
             .map(|_| {
-                let encoder = Encoder::new().map_err(|error| fault(error.to_string()))?;
-                let shared = Arc::clone(&shared);
+                let mut encoder = Encoder::new().map_err(|error| fault(error.to_string()))?;
+                let (shared, readiness) = (Arc::clone(&shared), Arc::clone(readiness));
                 std::thread::Builder::new()
                     .name("encoder".to_owned())
-                    .spawn(move || work(&shared, encoder))
+                    .spawn(move || work(&shared, &readiness, |job| encode(&mut encoder, job)))
                     .map_err(|error| fault(error.to_string()))
             })
             .collect::<Result<_, _>>()?;
@@ -108,11 +111,21 @@ fn give_up(session: &Session, frame_id: u32) {
     telemetry::frame_dropped();
 }
 
-fn work(shared: &Shared, mut encoder: Encoder) {
+/// Compresses frames until the pool closes; one that cannot be compressed is given up, whatever happens.
+fn work(
+    shared: &Shared,
+    readiness: &Readiness,
+    mut encode: impl FnMut(Job) -> Result<EncodedFrame, FrameError>,
+) {
     while let Some(job) = next(shared) {
         let session = Arc::clone(&job.session);
         let frame_id = job.frame_id;
-        match encode(&mut encoder, job) {
+        // An encoder has no state that outlives a frame, so it goes on after a panic.
+        let encoded = catch_unwind(AssertUnwindSafe(|| encode(job))).unwrap_or_else(|panic| {
+            readiness.panicked(Place::Encoder);
+            Err(FrameError::Panic(words(panic.as_ref())))
+        });
+        match encoded {
             Ok(frame) => {
                 if let Some(unsent) = session.outbox.set_frame(frame) {
                     give_up(&session, unsent.header.frame_id);
@@ -165,6 +178,8 @@ enum FrameError {
     Encode(#[from] EncodeError),
     #[error(transparent)]
     Header(#[from] HeaderError),
+    #[error("the encoder panicked: {0}")]
+    Panic(String),
 }
 
 fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
@@ -241,4 +256,75 @@ fn encode(encoder: &mut Encoder, job: Job) -> Result<EncodedFrame, FrameError> {
         message: message.into(),
         stats,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use tyndall_render::FrameStats;
+    use tyndall_scene::{build, presets};
+    use tyndall_stream::pacing::Accepts;
+
+    use super::*;
+    use crate::outbox::Outgoing;
+
+    /// A session with one frame on its way.
+    fn job() -> Job {
+        let description = presets::description("cornell_fog").expect("a preset");
+        let loaded = build(description, None).expect("the preset is valid");
+        let accepts = Accepts {
+            jpeg: true,
+            png: true,
+        };
+        let session = Arc::new(Session::new(1, String::new(), &loaded, accepts));
+        let frame_id = lock(&session.pacing).begin(Instant::now());
+        let frame = FinishedFrame {
+            tag: 0,
+            width: 8,
+            height: 8,
+            rgba: vec![7; 256],
+            samples: 1,
+            converged: false,
+            epoch: 0,
+            stats: FrameStats::default(),
+            pass_times: Vec::new(),
+            render_micros: 1,
+            units: 0,
+            shadow_layers: 0,
+        };
+        let wish = session.wish();
+        Job {
+            session,
+            frame,
+            frame_id: frame_id.expect("the window is open"),
+            wish,
+            software: true,
+        }
+    }
+
+    #[test]
+    fn a_panic_costs_its_frame_and_the_thread_goes_on() {
+        let (shared, readiness) = (Shared::default(), Readiness::default());
+        let (bad, good) = (job(), job());
+        let sessions = [Arc::clone(&bad.session), Arc::clone(&good.session)];
+        lock(&shared.queue).jobs.extend([bad, good]);
+        let mut encoder = Encoder::new().expect("an encoder");
+        let mut seen = 0;
+        work(&shared, &readiness, |job| {
+            seen += 1;
+            lock(&shared.queue).closed = seen == 2;
+            assert!(seen == 2, "the test wants a panic");
+            encode(&mut encoder, job)
+        });
+        assert_eq!(readiness.panics(), (0, 1));
+        let Some(Outgoing::Message(ServerMessage::Error(error))) = sessions[0].outbox.take(1)
+        else {
+            panic!("the session is not told");
+        };
+        assert_eq!(
+            error.message,
+            "the encoder panicked: the test wants a panic"
+        );
+        assert_eq!(lock(&sessions[0].pacing).in_flight(), 0);
+        assert!(sessions[1].outbox.holds_frame());
+    }
 }

@@ -4,6 +4,8 @@
 //!
 //! - [`options`]: where to listen, who may ask, how much;
 //! - [`server`]: binds, starts the threads, serves, shuts down;
+//! - `connections`: a bounded number of them, with time-outs; `watchdog`: the end of it all;
+//! - `origin`, `attempts`, `refusals`: whose requests are heard, and what the log says of others;
 //! - `routes`: HTTP addresses; errors leave as [`problem`] documents;
 //! - `socket`: one conversation a WebSocket;
 //! - `session`, `sessions`: what a client has set, kept for a while after its connection drops;
@@ -17,14 +19,19 @@
 //! the render thread reads what each session wants *now*, and a frame that was not fetched is
 //! replaced by a newer one.
 
+mod attempts;
 pub mod backend;
 mod bell;
 mod clock;
+mod connections;
 mod encoder_pool;
 mod guides;
 pub mod options;
+mod origin;
 mod outbox;
+mod panics;
 pub mod problem;
+mod refusals;
 pub mod render_thread;
 mod routes;
 mod scenes;
@@ -33,6 +40,7 @@ mod session;
 mod sessions;
 mod socket;
 mod telemetry;
+mod watchdog;
 
 pub use options::{ServeError, ServeOptions, ServiceLimits};
 pub use server::{serve, serve_on};

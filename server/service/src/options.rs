@@ -4,8 +4,10 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use tyndall_render::{DeviceError, DeviceOptions, RenderError};
+use tyndall_render::{DeviceError, DeviceOptions, MemoryBudget, RenderError};
 use tyndall_scene::Loaded;
+
+use crate::origin::Origin;
 
 /// Shortest token accepted. Unit: character.
 pub const MIN_TOKEN_LENGTH: usize = 8;
@@ -28,6 +30,11 @@ pub struct ServeOptions {
     pub allowed_origins: Vec<String>,
     /// Bounds.
     pub limits: ServiceLimits,
+    /// Device memory that pictures may take.
+    pub memory: MemoryBudget,
+    /// The process ends `limits.drain_within` after it was told to, whatever still runs: for programs that
+    /// do nothing else.
+    pub end_process: bool,
 }
 
 impl ServeOptions {
@@ -41,14 +48,17 @@ impl ServeOptions {
             port_file: None,
             allowed_origins: Vec::new(),
             limits: ServiceLimits::default(),
+            memory: MemoryBudget::default(),
+            end_process: false,
         }
     }
 
     /// Checks what can be checked before anything is opened.
     ///
     /// # Errors
-    /// [`ServeError::TokenNeeded`] and [`ServeError::TokenUnfit`].
+    /// [`ServeError::TokenNeeded`], [`ServeError::TokenUnfit`] and [`ServeError::OriginUnfit`].
     pub fn check(&self) -> Result<(), ServeError> {
+        self.origins()?;
         match &self.token {
             None if !self.bind.ip().is_loopback() => {
                 Err(ServeError::TokenNeeded { bind: self.bind })
@@ -62,13 +72,26 @@ impl ServeOptions {
             _ => Ok(()),
         }
     }
+
+    /// The allowed origins in one spelling.
+    pub(crate) fn origins(&self) -> Result<Vec<Origin>, ServeError> {
+        let parsed = self.allowed_origins.iter().map(|text| {
+            Origin::parse(text).map_err(|why| ServeError::OriginUnfit {
+                origin: text.clone(),
+                why,
+            })
+        });
+        parsed.collect()
+    }
 }
 
 /// How much of everything there may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ServiceLimits {
-    /// Connected sessions; the next client gets 503.
+    /// Connected sessions; the next client is refused, one that resumes its own is not.
     pub max_sessions: usize,
+    /// HTTP connections open at once, besides WebSockets.
+    pub max_connections: usize,
     /// Largest picture. Unit: pixel.
     pub max_pixels: u64,
     /// Longest side of a picture. Unit: pixel.
@@ -79,14 +102,22 @@ pub struct ServiceLimits {
     pub max_body_bytes: usize,
     /// How long a dropped session can be resumed.
     pub resume_for: Duration,
-    /// How long a new connection may take to say hello.
+    /// How long the head of a request may take to arrive, and a connection may rest between two.
+    pub header_within: Duration,
+    /// How long the body of a request may take to arrive.
+    pub body_within: Duration,
+    /// How long planning a posted scene may take.
+    pub plan_within: Duration,
+    /// How long a new socket may take to say hello.
     pub hello_within: Duration,
     /// How often a silent connection is probed.
     pub ping_every: Duration,
-    /// How long one message may take to leave.
+    /// How long one message may take to leave, and a client may take nothing of an answer.
     pub send_within: Duration,
     /// How long shutting down may take.
     pub drain_within: Duration,
+    /// Share of its time that a session's edits may take of a processor core. Unit: percent.
+    pub edit_percent: u32,
     /// Threads that compress frames.
     pub encoder_threads: usize,
     /// What a frame of a moving picture may take: its size follows. 33 ms on a GPU, 100 ms on a software
@@ -99,15 +130,20 @@ impl Default for ServiceLimits {
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         Self {
             max_sessions: 16,
+            max_connections: 256,
             max_pixels: 3840 * 2160,
             max_side: 8192,
             max_message_bytes: 1 << 20,
             max_body_bytes: 4 << 20,
             resume_for: Duration::from_mins(1),
+            header_within: Duration::from_secs(10),
+            body_within: Duration::from_secs(20),
+            plan_within: Duration::from_secs(10),
             hello_within: Duration::from_secs(5),
             ping_every: Duration::from_secs(10),
             send_within: Duration::from_secs(20),
             drain_within: Duration::from_secs(10),
+            edit_percent: 20,
             encoder_threads: (cores / 4).clamp(1, 4),
             frame_budget: None,
         }
@@ -130,6 +166,14 @@ pub enum ServeError {
         "the token must be at least {MIN_TOKEN_LENGTH} printable ASCII characters without spaces"
     )]
     TokenUnfit,
+    /// An allowed origin that is none.
+    #[error("the origin \"{origin}\" cannot be allowed: {why}")]
+    OriginUnfit {
+        /// As it was given.
+        origin: String,
+        /// What is wrong with it.
+        why: &'static str,
+    },
     /// The scene uses something that this version does not render.
     #[error(transparent)]
     NotRenderedYet(#[from] tyndall_render::NotRenderedYet),

@@ -57,7 +57,7 @@ pub(crate) enum Outgoing {
 }
 
 /// Slots between render, encoder and socket.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Outbox {
     slots: Mutex<Slots>,
     filled: Notify,
@@ -65,6 +65,8 @@ pub(crate) struct Outbox {
 
 #[derive(Debug, Default)]
 struct Slots {
+    /// Number of the connection that may take something.
+    owner: u64,
     messages: VecDeque<ServerMessage>,
     camera: Option<CameraMessage>,
     plan: Option<Plan>,
@@ -74,6 +76,18 @@ struct Slots {
 }
 
 impl Outbox {
+    /// An empty outbox of a connection.
+    pub(crate) fn new(owner: u64) -> Self {
+        let slots = Slots {
+            owner,
+            ..Slots::default()
+        };
+        Self {
+            slots: Mutex::new(slots),
+            filled: Notify::new(),
+        }
+    }
+
     /// Queues a message; false when too many wait already, and then it is not queued.
     pub(crate) fn push(&self, message: ServerMessage) -> bool {
         let mut slots = lock(&self.slots);
@@ -82,7 +96,7 @@ impl Outbox {
             slots.messages.push_back(message);
         }
         drop(slots);
-        self.filled.notify_one();
+        self.tell();
         room
     }
 
@@ -101,7 +115,7 @@ impl Outbox {
         slots.plan = Some(plan);
         slots.plan_is_new = true;
         drop(slots);
-        self.filled.notify_one();
+        self.tell();
     }
 
     /// Replaces the waiting frame and returns the one that was never sent.
@@ -110,7 +124,7 @@ impl Outbox {
         slots.last_frame = Some(frame.clone());
         let unsent = slots.frame.replace(frame);
         drop(slots);
-        self.filled.notify_one();
+        self.tell();
         unsent
     }
 
@@ -124,18 +138,23 @@ impl Outbox {
         lock(&self.slots).last_frame.clone()
     }
 
-    /// Prepares for another connection: nothing of the old one waits, the plan is sent again.
-    pub(crate) fn reconnect(&self) {
+    /// Belongs to another connection from now on: nothing of the old one waits, the plan is sent again, and
+    /// what comes is not taken by the old one, which may not have noticed yet.
+    pub(crate) fn reconnect(&self, owner: u64) {
         let mut slots = lock(&self.slots);
+        slots.owner = owner;
         slots.messages.clear();
         slots.camera = None;
         slots.frame = None;
         slots.plan_is_new = slots.plan.is_some();
     }
 
-    /// Messages first, since they explain the frames behind them.
-    pub(crate) fn take(&self) -> Option<Outgoing> {
+    /// The next thing for a connection. Messages first, since they explain the frames behind them.
+    pub(crate) fn take(&self, connection: u64) -> Option<Outgoing> {
         let mut slots = lock(&self.slots);
+        if slots.owner != connection {
+            return None;
+        }
         if let Some(message) = slots.messages.pop_front() {
             return Some(Outgoing::Message(message));
         }
@@ -150,8 +169,38 @@ impl Outbox {
         slots.frame.take().map(Outgoing::Frame)
     }
 
+    /// Wakes whoever waits, two connections for a moment, or the next one to wait.
+    fn tell(&self) {
+        self.filled.notify_waiters();
+        self.filled.notify_one();
+    }
+
     /// Waits until something may be there.
     pub(crate) async fn filled(&self) {
         self.filled.notified().await;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_connection_that_owns_it_takes_something() {
+        use tyndall_stream::protocol::Notice;
+        let outbox = Outbox::new(1);
+        let notice = || {
+            let message = "new".to_owned();
+            ServerMessage::Notice(Notice { message })
+        };
+        assert!(outbox.push(notice()));
+        outbox.reconnect(2);
+        assert!(
+            outbox.take(2).is_none(),
+            "what the old one was to get is gone"
+        );
+        assert!(outbox.push(notice()));
+        assert!(outbox.take(1).is_none());
+        assert!(outbox.take(2).is_some());
     }
 }

@@ -38,7 +38,14 @@ pub const fn status_and_title(code: ErrorCode) -> (StatusCode, &'static str) {
             "the address does not take this method",
         ),
         ErrorCode::Unauthorized => (StatusCode::UNAUTHORIZED, "a token is needed"),
-        ErrorCode::OriginRefused => (StatusCode::FORBIDDEN, "the page is not of this server"),
+        ErrorCode::TooManyAttempts => (
+            StatusCode::TOO_MANY_REQUESTS,
+            "too many wrong tokens were tried",
+        ),
+        ErrorCode::OriginRefused => (
+            StatusCode::FORBIDDEN,
+            "the request is not for this server or comes from a page of another one",
+        ),
         ErrorCode::TooLarge => (StatusCode::PAYLOAD_TOO_LARGE, "the body is too long"),
         ErrorCode::UnsupportedMediaType => {
             (StatusCode::UNSUPPORTED_MEDIA_TYPE, "the body must be JSON")
@@ -55,6 +62,7 @@ pub const fn status_and_title(code: ErrorCode) -> (StatusCode, &'static str) {
         ErrorCode::TooManySessions => (StatusCode::SERVICE_UNAVAILABLE, "every session is taken"),
         ErrorCode::TakenOver => (StatusCode::CONFLICT, "another connection took over"),
         ErrorCode::NotReady => (StatusCode::SERVICE_UNAVAILABLE, "the renderer is not ready"),
+        ErrorCode::TookTooLong => (StatusCode::SERVICE_UNAVAILABLE, "the request took too long"),
         ErrorCode::RenderFailed => (StatusCode::INTERNAL_SERVER_ERROR, "the renderer failed"),
         ErrorCode::Internal => (StatusCode::INTERNAL_SERVER_ERROR, "the server is at fault"),
     }
@@ -93,6 +101,7 @@ impl From<BuildError> for Problem {
             BuildError::Scene(scene) => return Self::from(scene),
             BuildError::NoSuchPreset { .. } => ErrorCode::NotFound,
             BuildError::NotRenderedYet(_) => ErrorCode::NotRenderedYet,
+            BuildError::TookTooLong { .. } => ErrorCode::TookTooLong,
             BuildError::BrokenOff => ErrorCode::Internal,
         };
         Self::new(code, error.to_string())

@@ -3,14 +3,18 @@
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use tokio::sync::Semaphore;
 use tyndall_render::{PlanLimits, check_supported};
-use tyndall_scene::{Loaded, SceneDescription, SceneError, build, facts, presets};
+use tyndall_scene::{Limits, Loaded, SceneDescription, SceneError, build, facts, outline, presets};
 use tyndall_stream::protocol::{Facts, Plan};
 
 use crate::backend;
 use crate::bell::lock;
+
+/// Triangles that a scene may have to be planned, which takes a fraction of a second.
+const MOST_TRIANGLES: u64 = 1_000_000;
 
 /// Why a scene could not be built.
 #[derive(Debug, thiserror::Error)]
@@ -21,6 +25,8 @@ pub(crate) enum BuildError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     NotRenderedYet(#[from] tyndall_render::NotRenderedYet),
+    #[error("planning did not end within {seconds} s")]
+    TookTooLong { seconds: f32 },
     #[error("building the scene broke off")]
     BrokenOff,
 }
@@ -42,14 +48,19 @@ pub(crate) struct Scenes {
     presets: Mutex<HashMap<String, Arc<Loaded>>>,
     /// One scene is built at a time, so that building never takes all cores.
     building: Semaphore,
+    /// One scene is planned at a time.
+    planning: Arc<Semaphore>,
+    plan_within: Duration,
 }
 
 impl Scenes {
-    pub(crate) fn new(first: Loaded) -> Self {
+    pub(crate) fn new(first: Loaded, plan_within: Duration) -> Self {
         Self {
             first: Arc::new(first),
             presets: Mutex::default(),
             building: Semaphore::new(1),
+            planning: Arc::new(Semaphore::new(1)),
+            plan_within,
         }
     }
 
@@ -80,20 +91,50 @@ impl Scenes {
     }
 
     /// The plan of a preset.
-    pub(crate) async fn plan_of_preset(&self, name: &str) -> Result<PlanReply, BuildError> {
-        plan(&*self.preset(name).await?)
+    pub(crate) async fn plan_of_preset(
+        &self,
+        name: &str,
+        limits: PlanLimits,
+    ) -> Result<PlanReply, BuildError> {
+        let description = presets::description(name).ok_or_else(|| BuildError::NoSuchPreset {
+            name: name.chars().take(80).collect(),
+        })?;
+        self.planned(move || plan(description, limits)).await
     }
 
     /// The plan of any scene that refers to no files.
-    pub(crate) async fn plan_of(&self, text: String) -> Result<PlanReply, BuildError> {
-        let _permit = self
-            .building
-            .acquire()
+    pub(crate) async fn plan_of(
+        &self,
+        text: String,
+        limits: PlanLimits,
+    ) -> Result<PlanReply, BuildError> {
+        self.planned(move || plan(SceneDescription::from_json(&text)?, limits))
             .await
-            .map_err(|_closed| BuildError::BrokenOff)?;
-        let parsed = tokio::task::spawn_blocking(move || SceneDescription::from_json(&text));
-        let description = parsed.await.map_err(|_join| BuildError::BrokenOff)??;
-        plan(&on_blocking_thread(description).await?)
+    }
+
+    /// Plans on a blocking thread, one at a time; sessions do not wait for it. Whoever asked may leave: the
+    /// thread keeps the permit until it is done, so that no more of them run than there are permits.
+    async fn planned(
+        &self,
+        plan: impl FnOnce() -> Result<PlanReply, BuildError> + Send + 'static,
+    ) -> Result<PlanReply, BuildError> {
+        let planning = Arc::clone(&self.planning);
+        let planned = async {
+            let permit = planning
+                .acquire_owned()
+                .await
+                .map_err(|_closed| BuildError::BrokenOff)?;
+            let planned = tokio::task::spawn_blocking(move || {
+                let planned = plan();
+                drop(permit);
+                planned
+            });
+            planned.await.map_err(|_join| BuildError::BrokenOff)?
+        };
+        let seconds = self.plan_within.as_secs_f32();
+        tokio::time::timeout(self.plan_within, planned)
+            .await
+            .map_err(|_elapsed| BuildError::TookTooLong { seconds })?
     }
 }
 
@@ -102,14 +143,21 @@ async fn on_blocking_thread(description: SceneDescription) -> Result<Loaded, Bui
     Ok(built.await.map_err(|_join| BuildError::BrokenOff)??)
 }
 
-fn plan(loaded: &Loaded) -> Result<PlanReply, BuildError> {
-    check_supported(&loaded.scene)?;
-    let facts = facts(&loaded.scene);
-    let plan = tyndall_render::plan(&facts, &loaded.scene.render, &PlanLimits::default())?;
+/// What a scene of this description would make the renderer do; grids stand as outlines.
+fn plan(description: SceneDescription, limits: PlanLimits) -> Result<PlanReply, BuildError> {
+    let most = Limits {
+        triangles: MOST_TRIANGLES,
+        vertices: MOST_TRIANGLES,
+        ..Limits::default()
+    };
+    let outlined = outline(description, &most)?;
+    check_supported(&outlined.scene)?;
+    let facts = facts(&outlined.scene);
+    let plan = tyndall_render::plan(&facts, &outlined.scene.render, &limits)?;
     Ok(PlanReply {
-        name: loaded.scene.name.clone(),
+        name: outlined.scene.name.clone(),
         plan: backend::plan(&plan),
         facts: Facts::from(&facts),
-        warnings: loaded.warnings.clone(),
+        warnings: outlined.warnings,
     })
 }

@@ -1,36 +1,46 @@
 //! Binds, starts the threads, serves, and goes down in order.
 
 use std::io::Write as _;
-use std::net::SocketAddr;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
+use std::time::Instant;
 
-use axum::serve::ListenerExt as _;
 use metrics_exporter_prometheus::PrometheusHandle;
 use tokio::net::TcpListener;
+use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 use tyndall_render::check_supported;
 use tyndall_stream::protocol::Adapter;
 
+use crate::attempts::Attempts;
 use crate::backend::{Backend, OpenBackend, Wgpu};
+use crate::connections::{self, ConnectionLimits};
 use crate::encoder_pool::EncoderPool;
 use crate::guides::Guides;
 use crate::options::{ServeError, ServeOptions, ServiceLimits};
+use crate::origin::Origin;
+use crate::refusals::Refusals;
 use crate::render_thread::{self, Readiness};
 use crate::routes;
 use crate::scenes::Scenes;
 use crate::sessions::Sessions;
 use crate::telemetry;
+use crate::watchdog::watch;
 
 /// What handlers share.
 #[derive(Debug)]
 pub(crate) struct App {
     pub(crate) adapter: Adapter,
-    pub(crate) allowed_origins: Vec<String>,
     pub(crate) guides: Guides,
+    pub(crate) allowed_origins: Vec<Origin>,
+    pub(crate) attempts: Attempts,
+    /// Large edits are made one at a time.
+    pub(crate) editing: Semaphore,
     pub(crate) limits: ServiceLimits,
     pub(crate) metrics: PrometheusHandle,
     pub(crate) readiness: Arc<Readiness>,
+    pub(crate) refusals: Refusals,
     pub(crate) scenes: Scenes,
     pub(crate) sessions: Arc<Sessions>,
     pub(crate) shutdown: CancellationToken,
@@ -45,7 +55,8 @@ pub(crate) struct App {
 /// ended by itself.
 pub async fn serve(options: ServeOptions, shutdown: CancellationToken) -> Result<(), ServeError> {
     let device = options.device.clone();
-    let open: OpenBackend<Wgpu> = Box::new(move || Wgpu::open(&device));
+    let memory = options.memory;
+    let open: OpenBackend<Wgpu> = Box::new(move || Wgpu::open(&device, memory));
     serve_on(options, open, shutdown).await
 }
 
@@ -59,6 +70,7 @@ pub async fn serve_on<B: Backend + 'static>(
     shutdown: CancellationToken,
 ) -> Result<(), ServeError> {
     options.check()?;
+    let allowed_origins = options.origins()?;
     check_supported(&options.scene.scene)?;
     let bind = options.bind;
     let refused = |source| ServeError::Bind { bind, source };
@@ -70,8 +82,8 @@ pub async fn serve_on<B: Backend + 'static>(
     let shutdown = shutdown.child_token();
     let limits = options.limits;
     let sessions = Arc::new(Sessions::new(limits.max_sessions, limits.resume_for));
-    let readiness = Arc::new(Readiness::new());
-    let encoders = EncoderPool::start(limits.encoder_threads)?;
+    let readiness = Arc::new(Readiness::default());
+    let encoders = EncoderPool::start(limits.encoder_threads, &readiness)?;
     let (render_thread, adapter) = render_thread::start(
         open,
         Arc::clone(&sessions),
@@ -84,18 +96,20 @@ pub async fn serve_on<B: Backend + 'static>(
     tracing::info!(adapter = adapter.name, driver = adapter.driver, kind = ?adapter.kind, "rendering");
     let app = Arc::new(App {
         adapter,
-        allowed_origins: options.allowed_origins,
         guides: Guides::new(),
+        allowed_origins,
+        attempts: Attempts::new(),
+        editing: Semaphore::new(1),
         limits,
         metrics,
         readiness,
-        scenes: Scenes::new(options.scene),
+        refusals: Refusals::default(),
+        scenes: Scenes::new(options.scene, limits.plan_within),
         sessions,
         shutdown: shutdown.clone(),
         sockets: TaskTracker::new(),
         token: options.token,
     });
-    announce(address, options.port_file.as_deref())?;
     let background = TaskTracker::new();
     background.spawn(end_on_signal(shutdown.clone()));
     background.spawn(upkeep(app.metrics.clone(), shutdown.clone()));
@@ -103,48 +117,37 @@ pub async fn serve_on<B: Backend + 'static>(
         let (sessions, shutdown) = (Arc::clone(&app.sessions), shutdown.clone());
         async move { sessions.forget_dropped(shutdown).await }
     });
-    let served = listen(listener, Arc::clone(&app)).await;
-    shutdown.cancel();
-    drain(&app, &background).await;
-    join(render_thread, &app).await?;
-    served
-}
-
-/// Accepts connections until shutdown, then lets running requests finish for a while.
-async fn listen(listener: TcpListener, app: Arc<App>) -> Result<(), ServeError> {
-    let listener = listener.tap_io(|stream| {
-        // Frames and acknowledgements must not wait for each other.
-        if let Err(error) = stream.set_nodelay(true) {
-            tracing::debug!(%error, "TCP_NODELAY was refused");
-        }
-    });
-    let (shutdown, drain_within) = (app.shutdown.clone(), app.limits.drain_within);
-    let router = routes::router(app);
-    let serving = axum::serve(listener, router)
-        .with_graceful_shutdown(shutdown.clone().cancelled_owned())
-        .into_future();
-    let overdue = async {
-        shutdown.cancelled().await;
-        tokio::time::sleep(drain_within).await;
-    };
-    tokio::select! {
-        served = serving => Ok(served?),
-        () = overdue => {
-            tracing::warn!("some requests did not end in time");
-            Ok(())
-        }
+    if options.end_process {
+        tokio::spawn(watch(shutdown.clone(), limits.drain_within));
     }
+    let router = routes::router(Arc::clone(&app));
+    // The last thing that is said before there are visitors.
+    announce(address, app.token.is_some(), options.port_file.as_deref())?;
+    let connections = TaskTracker::new();
+    let bounds = ConnectionLimits {
+        most: limits.max_connections,
+        header_within: limits.header_within,
+        send_within: limits.send_within,
+    };
+    let tracker = connections.clone();
+    connections::serve(listener, router, bounds, tracker, shutdown.clone()).await;
+    // What follows shares one time, the last tenth of which is the process's own.
+    let until = Instant::now() + limits.drain_within * 9 / 10;
+    drain([connections, app.sockets.clone(), background], until).await;
+    join(render_thread, &app, until).await
 }
 
-/// Waits for sockets, which close by themselves, and background tasks.
-async fn drain(app: &App, background: &TaskTracker) {
-    app.sockets.close();
-    background.close();
+/// Waits for requests, sockets, which close by themselves, and background tasks.
+async fn drain(trackers: [TaskTracker; 3], until: Instant) {
     let drained = async {
-        app.sockets.wait().await;
-        background.wait().await;
+        for tracker in trackers {
+            tracker.close();
+            tracker.wait().await;
+        }
     };
-    if tokio::time::timeout(app.limits.drain_within, drained)
+    // Half of what is left, so that the render thread has time as well.
+    let until = Instant::now() + until.saturating_duration_since(Instant::now()) / 2;
+    if tokio::time::timeout_at(until.into(), drained)
         .await
         .is_err()
     {
@@ -153,30 +156,50 @@ async fn drain(app: &App, background: &TaskTracker) {
 }
 
 /// Ends the render thread, and with it the encoders.
-async fn join(thread: std::thread::JoinHandle<()>, app: &App) -> Result<(), ServeError> {
+async fn join(
+    thread: std::thread::JoinHandle<()>,
+    app: &App,
+    until: Instant,
+) -> Result<(), ServeError> {
     app.sessions.bell.ring();
     let fault = |reason: &str| ServeError::Thread {
         name: "render",
         reason: reason.to_owned(),
     };
     let joined = tokio::task::spawn_blocking(move || thread.join());
-    match tokio::time::timeout(app.limits.drain_within, joined).await {
+    match tokio::time::timeout_at(until.into(), joined).await {
         Ok(Ok(Ok(()))) => Ok(()),
         Ok(_panicked) => Err(fault("panicked")),
         Err(_elapsed) => Err(fault("did not end in time")),
     }
 }
 
-/// Says where the page is: in the log, on standard output, and in the port file.
-fn announce(address: SocketAddr, port_file: Option<&std::path::Path>) -> Result<(), ServeError> {
+/// Says where the page is: in the log and on standard output, after the port file is written.
+fn announce(
+    address: SocketAddr,
+    guarded: bool,
+    port_file: Option<&std::path::Path>,
+) -> Result<(), ServeError> {
+    if let Some(path) = port_file {
+        write_port_file(address, path)?;
+    }
     tracing::info!(%address, "listening");
+    // An address that stands for all of this machine's is none to go to.
+    let mut reachable = address;
+    match address.ip() {
+        IpAddr::V4(ip) if ip.is_unspecified() => reachable.set_ip(Ipv4Addr::LOCALHOST.into()),
+        IpAddr::V6(ip) if ip.is_unspecified() => reachable.set_ip(Ipv6Addr::LOCALHOST.into()),
+        _ => {}
+    }
+    let token = if guarded { "?token=YOUR_TOKEN" } else { "" };
     // A closed standard output is no reason not to serve.
-    if let Err(error) = writeln!(std::io::stdout(), "tyndall: http://{address}/") {
+    if let Err(error) = writeln!(std::io::stdout(), "tyndall: http://{reachable}/{token}") {
         tracing::debug!(%error, "standard output is closed");
     }
-    let Some(path) = port_file else {
-        return Ok(());
-    };
+    Ok(())
+}
+
+fn write_port_file(address: SocketAddr, path: &std::path::Path) -> Result<(), ServeError> {
     // Renamed into place, so that a waiting script never reads half a line.
     let written = path.with_extension("part");
     std::fs::write(&written, format!("{address}\n"))

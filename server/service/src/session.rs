@@ -10,7 +10,8 @@ use tokio::sync::watch;
 use tyndall_render::check_supported;
 use tyndall_scene::description::{CameraDescription, Navigation};
 use tyndall_scene::{
-    Loaded, Scene, SceneDescription, SceneEdit, SceneError, apply_edit, facts, steer,
+    Loaded, Scene, SceneDescription, SceneEdit, SceneError, apply_edit, check_camera, facts,
+    seen_through,
 };
 use tyndall_stream::pacing::{Accepts, Pacing, PacingSettings};
 use tyndall_stream::protocol::{
@@ -20,6 +21,9 @@ use tyndall_stream::protocol::{
 use crate::bell::lock;
 use crate::clock::Clock;
 use crate::outbox::Outbox;
+
+/// Number of the connection that opens a session.
+const FIRST: u64 = 1;
 
 /// Why a session refused a change; its state is as before.
 #[derive(Debug, thiserror::Error)]
@@ -78,7 +82,9 @@ pub(crate) struct Session {
 #[derive(Debug)]
 struct State {
     description: Arc<SceneDescription>,
-    /// Counts the changes to `description`.
+    /// The camera that was steered since, which counts instead of the description's.
+    steered: Option<Steered>,
+    /// Counts the changes to `description` and `steered`.
     version: u64,
     warnings: Vec<String>,
     wish: Wish,
@@ -86,6 +92,24 @@ struct State {
     visible: bool,
     /// Since when nobody is connected.
     dropped: Option<Instant>,
+}
+
+/// A camera that a client steers.
+#[derive(Debug, Clone)]
+struct Steered {
+    camera: CameraDescription,
+    /// The input that it answers.
+    input: u64,
+    /// Whether the wish's scene is seen through it already.
+    is_seen: bool,
+}
+
+impl State {
+    /// The camera as the client knows it.
+    fn camera(&self) -> &CameraDescription {
+        let steered = self.steered.as_ref();
+        steered.map_or(&self.description.camera, |steered| &steered.camera)
+    }
 }
 
 impl Session {
@@ -105,9 +129,10 @@ impl Session {
             id,
             token,
             pacing: Mutex::new(Pacing::new(PacingSettings::default())),
-            outbox: Outbox::default(),
+            outbox: Outbox::new(FIRST),
             state: Mutex::new(State {
                 description: Arc::new(scene.description.clone()),
+                steered: None,
                 version: 0,
                 warnings: scene.warnings.clone(),
                 wish,
@@ -115,12 +140,13 @@ impl Session {
                 visible: true,
                 dropped: None,
             }),
-            connection: watch::Sender::new(1),
+            connection: watch::Sender::new(FIRST),
         }
     }
 
-    /// What to render now.
+    /// What to render now. Copies the scene where the camera was steered: for the render thread.
     pub(crate) fn wish(&self) -> Wish {
+        self.look();
         let state = lock(&self.state);
         let watched = state.visible && state.dropped.is_none();
         Wish {
@@ -130,8 +156,43 @@ impl Session {
         }
     }
 
+    /// Lets the wish's scene be seen through the camera that was steered last. The copy is made outside the
+    /// lock, which connections wait for.
+    fn look(&self) {
+        let (scene, steered) = {
+            let state = lock(&self.state);
+            let unseen = state.steered.as_ref().filter(|steered| !steered.is_seen);
+            let Some(steered) = unseen else { return };
+            (Arc::clone(&state.wish.scene), steered.clone())
+        };
+        let seen = Arc::new(seen_through(&scene, &steered.camera));
+        let mut guard = lock(&self.state);
+        let state = &mut *guard;
+        // Another scene was opened meanwhile; it is seen as it is.
+        if !Arc::ptr_eq(&state.wish.scene, &scene) {
+            return;
+        }
+        state.clock.adopt(&seen);
+        state.wish.scene = seen;
+        state.wish.input = state.wish.input.max(steered.input);
+        if let Some(newest) = &mut state.steered {
+            newest.is_seen = newest.camera == steered.camera;
+            if newest.is_seen {
+                state.wish.input = state.wish.input.max(newest.input);
+            }
+        }
+    }
+
+    /// The newest input that was accepted.
+    pub(crate) fn input(&self) -> u64 {
+        let state = lock(&self.state);
+        let steered = state.steered.as_ref().map_or(0, |steered| steered.input);
+        state.wish.input.max(steered)
+    }
+
     /// What to render in a frame begun at `now`: time has gone on until then.
     pub(crate) fn advance(&self, now: Instant) -> Wish {
+        self.look();
         let mut state = lock(&self.state);
         let seconds = state.clock.tick(now);
         match state.wish.scene.at(seconds) {
@@ -154,9 +215,10 @@ impl Session {
         state.dropped = None;
         drop(state);
         lock(&self.pacing).reconnect();
-        self.outbox.reconnect();
-        self.connection.send_modify(|number| *number += 1);
-        *self.connection.borrow()
+        let number = *self.connection.borrow() + 1;
+        self.outbox.reconnect(number);
+        self.connection.send_replace(number);
+        number
     }
 
     /// The connection has ended; false when another one owns the session by now.
@@ -193,8 +255,10 @@ impl Session {
         }
     }
 
-    /// The message that describes the open scene.
+    /// The message that describes the open scene. Copies its description, so it belongs on a blocking
+    /// thread.
     pub(crate) fn scene_message(&self) -> SceneMessage {
+        self.look();
         let state = lock(&self.state);
         let (description, scene) = (
             Arc::clone(&state.description),
@@ -205,11 +269,15 @@ impl Session {
             state.warnings.clone(),
             clock_state(&state),
         );
+        let camera = state.camera().clone();
         drop(state);
         SceneMessage {
             epoch,
             name: scene.name.clone(),
-            description: SceneDescription::clone(&description),
+            description: SceneDescription {
+                camera,
+                ..SceneDescription::clone(&description)
+            },
             facts: Facts::from(&facts(&scene)),
             warnings,
             clock,
@@ -221,7 +289,8 @@ impl Session {
         lock(&self.state).description.navigation
     }
 
-    /// Moves the eye; a camera that is steered leaves its keyframes.
+    /// Moves the eye; a camera that is steered leaves its keyframes. Looks at the camera alone: the scene is
+    /// seen through it when the next frame begins.
     pub(crate) fn set_camera(
         &self,
         input: u64,
@@ -235,13 +304,17 @@ impl Session {
             target: pose.target,
             up: pose.up,
             vertical_fov_degrees: pose.vertical_fov_degrees,
-            exposure_ev: state.description.camera.exposure_ev,
+            exposure_ev: state.camera().exposure_ev,
             keyframes: Vec::new(),
         };
-        steer(&mut state.description, &mut state.wish.scene, &camera)?;
+        check_camera(&camera)?;
+        let before = state.steered.as_ref().map_or(0, |steered| steered.input);
+        state.steered = Some(Steered {
+            camera,
+            input: input.max(before),
+            is_seen: false,
+        });
         state.version += 1;
-        state.clock.adopt(&state.wish.scene);
-        state.wish.input = state.wish.input.max(input);
         drop(guard);
         lock(&self.pacing).input(now);
         Ok(())
@@ -251,13 +324,25 @@ impl Session {
     /// blocking thread; the session stays usable meanwhile.
     pub(crate) fn edit(&self, input: u64, edit: &SceneEdit, now: Instant) -> Result<(), Refusal> {
         loop {
-            let (description, scene, version) = {
+            let (description, steered, scene, version) = {
                 let state = lock(&self.state);
                 (
                     Arc::clone(&state.description),
+                    state.steered.clone(),
                     Arc::clone(&state.wish.scene),
                     state.version,
                 )
+            };
+            let steered_edit;
+            let edit = match (steered, &edit.camera) {
+                (Some(steered), None) => {
+                    steered_edit = SceneEdit {
+                        camera: Some(steered.camera),
+                        ..edit.clone()
+                    };
+                    &steered_edit
+                }
+                _ => edit,
             };
             let (description, scene) = apply_edit(&description, &scene, edit)?;
             check_supported(&scene)?;
@@ -270,6 +355,7 @@ impl Session {
             let moved_on = edit.time_seconds.is_none() && scene.time_seconds != shown;
             let scene = if moved_on { scene.at(shown)? } else { scene };
             state.description = Arc::new(description);
+            let before = state.steered.take().map_or(0, |steered| steered.input);
             state.version += 1;
             state.clock.adopt(&scene);
             if let Some(seconds) = edit.time_seconds {
@@ -279,7 +365,7 @@ impl Session {
                 state.clock.play(playing);
             }
             state.wish.scene = Arc::new(scene);
-            state.wish.input = state.wish.input.max(input);
+            state.wish.input = state.wish.input.max(input).max(before);
             drop(state);
             lock(&self.pacing).input(now);
             return Ok(());
@@ -293,12 +379,13 @@ impl Session {
         let opened = Arc::new(scene.scene.clone());
         let mut state = lock(&self.state);
         state.description = description;
+        let before = state.steered.take().map_or(0, |steered| steered.input);
         state.version += 1;
         state.warnings.clone_from(&scene.warnings);
         state.clock = Clock::new(&opened);
         state.wish.scene = opened;
         state.wish.epoch = state.wish.epoch.wrapping_add(1);
-        state.wish.input = state.wish.input.max(input);
+        state.wish.input = state.wish.input.max(input).max(before);
         drop(state);
         lock(&self.pacing).input(now);
         Ok(())
@@ -335,125 +422,4 @@ fn clock_state(state: &State) -> Option<ClockState> {
 }
 
 #[cfg(test)]
-mod tests {
-    use tyndall_scene::{build, presets};
-
-    use super::*;
-
-    fn hall() -> Session {
-        let description = presets::description("fogged_hall").expect("a preset");
-        let loaded = build(description, None).expect("the preset is valid");
-        let accepts = Accepts {
-            jpeg: true,
-            png: true,
-        };
-        Session::new(1, "token".to_owned(), &loaded, accepts)
-    }
-
-    fn pose(x: f64) -> CameraPose {
-        CameraPose {
-            position: [x, 1.6, 3.0],
-            target: [0.0, 1.5, -4.0],
-            up: [0.0, 1.0, 0.0],
-            vertical_fov_degrees: 60.0,
-        }
-    }
-
-    fn edit(session: &Session, pose: CameraPose) -> SceneEdit {
-        let camera = CameraDescription {
-            position: pose.position,
-            target: pose.target,
-            up: pose.up,
-            vertical_fov_degrees: pose.vertical_fov_degrees,
-            keyframes: Vec::new(),
-            ..session.scene_message().description.camera
-        };
-        SceneEdit {
-            camera: Some(camera),
-            ..SceneEdit::default()
-        }
-    }
-
-    /// The least time of several calls: what else runs on the machine only adds. Unit: µs.
-    fn least_micros(mut call: impl FnMut(f64)) -> f64 {
-        let times = (0..50).map(|i| {
-            let start = Instant::now();
-            call(f64::from(i) * 0.01);
-            start.elapsed().as_secs_f64() * 1e6
-        });
-        times.fold(f64::INFINITY, f64::min)
-    }
-
-    #[test]
-    fn a_camera_message_does_what_an_edit_does_without_holding_an_async_thread() {
-        let (steered, edited) = (hall(), hall());
-        let now = Instant::now();
-        // The render thread keeps what it shows, so every camera copies the scene once.
-        let steering = least_micros(|x| {
-            let _shown = steered.wish();
-            steered.set_camera(1, pose(x), now).expect("a valid pose");
-        });
-        let editing = least_micros(|x| {
-            let edit = edit(&edited, pose(x));
-            edited.edit(1, &edit, now).expect("a valid edit");
-        });
-        println!("a camera message takes {steering:.1} µs, as an edit {editing:.1} µs");
-        assert!(steering < 500.0, "{steering} µs");
-        assert_eq!(
-            *steered.wish().scene,
-            Scene {
-                geometry: steered.wish().scene.geometry.clone(),
-                ..Scene::clone(&edited.wish().scene)
-            }
-        );
-        let (steered, edited) = (steered.scene_message(), edited.scene_message());
-        assert_eq!(steered.description, edited.description);
-    }
-
-    #[test]
-    fn a_refused_camera_leaves_everything_as_it_was() {
-        let session = hall();
-        let before = (session.wish(), session.scene_message());
-        let upright = CameraPose {
-            target: [0.0, 5.0, 3.0],
-            position: [0.0, 1.0, 3.0],
-            ..pose(0.0)
-        };
-        let refusal = session.set_camera(7, upright, Instant::now());
-        let message = refusal.expect_err("it looks along up").message(Some(7));
-        assert_eq!(message.path.as_deref(), Some("camera.up"));
-        let after = session.wish();
-        assert!(Arc::ptr_eq(&before.0.scene, &after.scene));
-        assert_eq!(after.input, 0);
-        assert_eq!(before.1, session.scene_message());
-    }
-
-    #[test]
-    fn an_edit_on_another_thread_loses_no_camera() {
-        let session = hall();
-        std::thread::scope(|threads| {
-            threads.spawn(|| {
-                for i in 0..100 {
-                    let edit = SceneEdit {
-                        exposure_ev: Some(f64::from(i) * 0.01),
-                        ..SceneEdit::default()
-                    };
-                    let edited = session.edit(1, &edit, Instant::now());
-                    edited.expect("a valid edit");
-                }
-            });
-            for i in 0..2000 {
-                let steered = session.set_camera(1, pose(f64::from(i) * 1e-3), Instant::now());
-                steered.expect("a valid pose");
-                let at = session.wish().scene.camera.position.x;
-                assert_eq!(
-                    at,
-                    f64::from(i) * 1e-3,
-                    "an edit brought an old camera back"
-                );
-            }
-        });
-        let exposure = session.scene_message().description.camera.exposure_ev;
-        assert_eq!(exposure, 0.99, "a camera brought an old exposure back");
-    }
-}
+mod tests;

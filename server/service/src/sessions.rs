@@ -44,20 +44,6 @@ impl Sessions {
         }
     }
 
-    /// Whether another client could be connected now.
-    pub(crate) fn check_room(&self) -> Result<(), TooManySessions> {
-        let sessions = lock(&self.by_token);
-        let connected = sessions
-            .values()
-            .filter(|session| session.dropped().is_none())
-            .count();
-        if connected < self.limit {
-            Ok(())
-        } else {
-            Err(TooManySessions { limit: self.limit })
-        }
-    }
-
     /// Opens a session; the one that was dropped longest ago makes room if needed.
     pub(crate) fn create(
         &self,

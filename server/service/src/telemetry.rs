@@ -72,6 +72,19 @@ fn describe() {
         "tyndall_malformed_messages_total",
         "Messages of clients that were refused"
     );
+    describe_counter!(
+        "tyndall_connections_refused_total",
+        "Connections that got no place, or lost theirs to a newcomer"
+    );
+    describe_counter!(
+        "tyndall_sockets_closed_total",
+        "WebSockets that ended, by the reason"
+    );
+    describe_counter!(
+        "tyndall_panics_total",
+        "Pictures given up after a panic of this thread: a fault"
+    );
+    describe_gauge!("tyndall_connections", "HTTP connections that are open");
     describe_gauge!(
         "tyndall_sessions",
         "Sessions connected or waiting to be resumed"
@@ -102,8 +115,29 @@ fn describe() {
     ] {
         counter!(name).absolute(0);
     }
+    for thread in ["render", "encoder"] {
+        counter!("tyndall_panics_total", "thread" => thread).absolute(0);
+    }
+    gauge!("tyndall_connections").set(0.0);
     gauge!("tyndall_sessions").set(0.0);
     gauge!("tyndall_ready").set(0.0);
+}
+
+pub(crate) fn connections(count: usize) {
+    gauge!("tyndall_connections").set(count as f64);
+}
+
+pub(crate) fn connection_refused(why: &'static str) {
+    counter!("tyndall_connections_refused_total", "why" => why).increment(1);
+}
+
+/// `reason` is one of a few: labels are kept for ever.
+pub(crate) fn socket_closed(reason: &'static str) {
+    counter!("tyndall_sockets_closed_total", "reason" => reason).increment(1);
+}
+
+pub(crate) fn panicked(thread: &'static str) {
+    counter!("tyndall_panics_total", "thread" => thread).increment(1);
 }
 
 pub(crate) fn sessions(count: usize) {

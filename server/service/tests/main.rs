@@ -3,8 +3,10 @@
 
 mod clock;
 mod faults;
+mod guards;
 mod http;
 mod lavapipe;
+mod load;
 mod steering;
 mod stream;
 mod support;

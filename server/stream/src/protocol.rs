@@ -408,6 +408,8 @@ pub enum ErrorCode {
     MethodNotAllowed,
     /// The token is missing or wrong.
     Unauthorized,
+    /// Too many wrong tokens came from the same address.
+    TooManyAttempts,
     /// The page that asks is not served by this server.
     OriginRefused,
     /// The request or message is too long.
@@ -432,6 +434,8 @@ pub enum ErrorCode {
     TakenOver,
     /// The renderer is not ready, or the server is going down.
     NotReady,
+    /// The request took longer than it may.
+    TookTooLong,
     /// The renderer failed.
     RenderFailed,
     /// A fault of the server.

@@ -2,6 +2,7 @@
 
 mod encode;
 mod header;
+mod mutations;
 mod pacing;
 mod protocol;
 mod typescript;

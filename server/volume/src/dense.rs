@@ -76,6 +76,7 @@ impl Dense {
             fast: fast as usize,
             slices: vec![0.0; 8 * slice_voxels as usize],
             bytes: vec![0; slice_voxels as usize * self.number.bytes()],
+            is_zero: [true; 8],
         };
         let slabs = (slow + 2).div_ceil(BRICK_SIDE);
         let mut next = 0;
@@ -92,6 +93,10 @@ impl Dense {
                 } else {
                     slab.repeat(slot as usize);
                 }
+            }
+            if slab.is_zero.iter().all(|is_zero| *is_zero) {
+                // Bricks that are not set are empty.
+                continue;
             }
             let counts = [fast, middle].map(|side| (side + 2).div_ceil(BRICK_SIDE));
             for m in 0..counts[1] {
@@ -116,6 +121,8 @@ struct Slab<'a> {
     fast: usize,
     slices: Vec<f32>,
     bytes: Vec<u8>,
+    /// Which of the slices are 0 throughout.
+    is_zero: [bool; 8],
 }
 
 impl Slab<'_> {
@@ -137,6 +144,12 @@ impl Slab<'_> {
                 _ => error.into(),
             })?;
         let voxels = self.slice_voxels();
+        // No byte set is 0 in every kind of number.
+        let is_zero = self.bytes.iter().all(|byte| *byte == 0);
+        let was_zero = std::mem::replace(&mut self.is_zero[slot], is_zero);
+        if is_zero && was_zero {
+            return Ok(());
+        }
         let Dense {
             number,
             big_endian,
@@ -157,6 +170,7 @@ impl Slab<'_> {
     fn repeat(&mut self, slot: usize) {
         let voxels = self.slice_voxels();
         let from = (slot + 7) % 8 * voxels;
+        self.is_zero[slot] = self.is_zero[(slot + 7) % 8];
         self.slices.copy_within(from..from + voxels, slot * voxels);
     }
 

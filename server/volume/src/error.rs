@@ -31,6 +31,9 @@ pub enum VolumeError {
         /// How large it may be.
         limit: u64,
     },
+    /// A decoder is at fault.
+    #[error(transparent)]
+    Decoder(#[from] tyndall_files::DecoderFailed),
     /// The file cannot be read.
     #[error("cannot be read: {0}")]
     Io(#[from] std::io::Error),

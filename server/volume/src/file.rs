@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
+use tyndall_files::{guarded, regular};
+
 use crate::{Grid, VolumeError, VolumeLimits, npy, npz, nvdb, raw, vdb, vol};
 
 /// The endings that [`read`] knows, without the dot.
@@ -43,10 +45,23 @@ pub fn read(
         );
         return Err(VolumeError::unsupported("file ending", what));
     }
-    let mut file = File::open(path)?;
-    let length = file.metadata()?.len();
+    let (file, length) = regular::open(path)?;
     VolumeError::within("bytes of the file", length, limits.file_bytes)?;
-    match ending.as_str() {
+    guarded("grids", || {
+        decode(path, &ending, file, length, options, limits)
+    })?
+}
+
+/// Reads a file whose ending is known; some formats hold parts that others' decoders read.
+fn decode(
+    path: &Path,
+    ending: &str,
+    mut file: File,
+    length: u64,
+    options: &ReadOptions,
+    limits: &VolumeLimits,
+) -> Result<Grid, VolumeError> {
+    match ending {
         "vdb" => vdb::read_bytes(&whole(&mut file, length)?, options, limits),
         "nvdb" => nvdb::read_bytes(&whole(&mut file, length)?, options, limits),
         "npz" => npz::read_from(BufReader::new(file), options, limits),

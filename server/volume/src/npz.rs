@@ -3,6 +3,7 @@
 use std::io::{Cursor, Read, Seek};
 
 use zip::ZipArchive;
+use zip::read::ZipFile;
 use zip::result::ZipError;
 
 use crate::npy;
@@ -11,6 +12,11 @@ use crate::{Grid, ReadOptions, VolumeError, VolumeLimits};
 
 /// Most arrays that a file may hold.
 const MAX_ARRAYS: usize = 4096;
+/// Bytes that an array may have however few of them are stored.
+const FREE_BYTES: u64 = 64 << 20;
+/// Bytes that an array may have for each byte that is stored, beyond the free ones: smoke in empty space
+/// needs less, and a thousand zeros a byte, the most that deflate can do, are work without content.
+const MOST_INFLATION: u64 = 256;
 
 /// Reads an array of a file that is held whole, as [`npy::read_bytes`] does.
 ///
@@ -44,7 +50,7 @@ pub fn read_array(
         Err(ZipError::FileNotFound) => return Ok(None),
         Err(error) => return Err(broken(error)),
     };
-    let length = file.size();
+    let length = inflated(&file)?;
     npy::Array::read(&mut file, length, most_bytes, axes).map(Some)
 }
 
@@ -73,8 +79,20 @@ pub(crate) fn read_from(
     }
     let index = choose(&candidates, options.grid.as_deref())?;
     let mut file = archive.by_index(index).map_err(broken)?;
-    let length = file.size();
+    let length = inflated(&file)?;
     npy::read_from(&mut file, length, &candidates[index].name, limits)
+}
+
+/// Length of an array once it is inflated, if what is stored can be worth it. Unit: byte.
+fn inflated<R: Read>(file: &ZipFile<'_, R>) -> Result<u64, VolumeError> {
+    let (length, stored) = (file.size(), file.compressed_size());
+    let most = FREE_BYTES.saturating_add(stored.saturating_mul(MOST_INFLATION));
+    if length > most {
+        let found = format!("{length} bytes from {stored}");
+        let allowed = format!("at most {most} from so few");
+        return Err(VolumeError::invalid("array", found, allowed));
+    }
+    Ok(length)
 }
 
 fn open<R: Read + Seek>(source: R) -> Result<ZipArchive<R>, VolumeError> {

@@ -74,12 +74,48 @@ impl Procedural {
         Ok(grid)
     }
 
-    /// Makes the grid.
-    fn generate(&self, limits: &VolumeLimits) -> Result<Grid, VolumeError> {
+    /// A block of the largest density in place of the grid, which takes no time to make.
+    ///
+    /// # Errors
+    /// As [`Self::grid`].
+    pub fn outline(&self, limits: &VolumeLimits) -> Result<Grid, VolumeError> {
+        let (size, mut builder) = self.lattice(limits)?;
+        let bricks = size.map(|side| side.div_ceil(BRICK_SIDE));
+        let whole = size / BRICK_SIDE;
+        builder.set_uniform_bricks(UVec3::ZERO, whole, 1.0)?;
+        for index in 0..bricks.element_product() {
+            let brick = nth_brick(index, bricks);
+            if brick.cmpge(whole).any() {
+                builder.set_brick(brick, &[1.0; BRICK_VOXELS])?;
+            }
+        }
+        Ok(self.place(size, builder))
+    }
+
+    /// The empty lattice of the grid, and its size. Unit: voxel.
+    fn lattice(&self, limits: &VolumeLimits) -> Result<(UVec3, GridBuilder), VolumeError> {
         in_range("resolution", self.resolution, &Self::RESOLUTION)?;
         in_range("octaves", self.octaves, &Self::OCTAVES)?;
         let size = UVec3::from_array(self.size());
-        let mut builder = GridBuilder::new(size.to_array(), limits)?;
+        Ok((size, GridBuilder::new(size.to_array(), limits)?))
+    }
+
+    /// The finished grid, placed over the origin.
+    fn place(&self, size: UVec3, builder: GridBuilder) -> Grid {
+        let scale = DVec3::splat(1.0 / f64::from(self.resolution));
+        let size = size.as_dvec3();
+        let corner = DVec3::new(-0.5, 0.0, -0.5) * size;
+        let placed = DAffine3::from_scale(scale) * DAffine3::from_translation(corner + 0.5);
+        let name = match self.pattern {
+            Pattern::SmokePlume => "smoke_plume",
+            Pattern::Cloud => "cloud",
+        };
+        builder.finish(name, placed, [DVec3::splat(-0.5), size - 0.5])
+    }
+
+    /// Makes the grid.
+    fn generate(&self, limits: &VolumeLimits) -> Result<Grid, VolumeError> {
+        let (size, mut builder) = self.lattice(limits)?;
         let density = match self.pattern {
             Pattern::SmokePlume => Density::Plume(Plume::new(self)),
             Pattern::Cloud => Density::Cloud(Cloud::new(self)),
@@ -89,11 +125,7 @@ impl Procedural {
         // Where the low corner of the box lies.
         let low = Vec3::new(-0.5, 0.0, -0.5) * size.as_vec3();
         for index in 0..bricks.element_product() {
-            let brick = UVec3::new(
-                index % bricks.x,
-                index / bricks.x % bricks.y,
-                index / (bricks.x * bricks.y),
-            );
+            let brick = nth_brick(index, bricks);
             let first = low + (brick * BRICK_SIDE).as_vec3();
             let center = (first + 4.0) * voxel;
             if density.is_empty_around(center, 7.0 * voxel) {
@@ -107,16 +139,17 @@ impl Procedural {
             }
             builder.set_brick(brick, &values)?;
         }
-        let scale = DVec3::splat(1.0 / f64::from(self.resolution));
-        let size = size.as_dvec3();
-        let corner = DVec3::new(-0.5, 0.0, -0.5) * size;
-        let placed = DAffine3::from_scale(scale) * DAffine3::from_translation(corner + 0.5);
-        let name = match self.pattern {
-            Pattern::SmokePlume => "smoke_plume",
-            Pattern::Cloud => "cloud",
-        };
-        Ok(builder.finish(name, placed, [DVec3::splat(-0.5), size - 0.5]))
+        Ok(self.place(size, builder))
     }
+}
+
+/// The brick with this number, counted along x, then y, then z.
+fn nth_brick(index: u32, bricks: UVec3) -> UVec3 {
+    UVec3::new(
+        index % bricks.x,
+        index / bricks.x % bricks.y,
+        index / (bricks.x * bricks.y),
+    )
 }
 
 fn in_range(
@@ -331,140 +364,4 @@ impl Cloud {
 }
 
 #[cfg(test)]
-mod tests {
-    use glam::IVec3;
-
-    use super::{Arc, Grid, Pattern, Procedural, VolumeLimits};
-
-    fn procedural(pattern: Pattern, resolution: u32) -> Procedural {
-        Procedural {
-            pattern,
-            resolution,
-            octaves: 5,
-            seed: 0,
-        }
-    }
-
-    fn mean(grid: &Grid) -> f64 {
-        let size = grid.size().as_ivec3();
-        let mut sum = 0.0;
-        for z in 0..size.z {
-            for y in 0..size.y {
-                for x in 0..size.x {
-                    sum += f64::from(grid.voxel(IVec3::new(x, y, z)));
-                }
-            }
-        }
-        sum / size.as_dvec3().element_product()
-    }
-
-    #[test]
-    fn grids_are_made_fast_and_lie_inside_their_box() {
-        for pattern in [Pattern::SmokePlume, Pattern::Cloud] {
-            let made = procedural(pattern, 128);
-            let start = std::time::Instant::now();
-            let grid = made.generate(&VolumeLimits::default()).unwrap();
-            let seconds = start.elapsed().as_secs_f64();
-            let (max, mean) = (grid.max(), mean(&grid));
-            println!(
-                "{pattern:?}: {} voxels, {} bricks, max {max}, mean {mean:.4}, {seconds:.2} s",
-                grid.size(),
-                grid.stored_bricks()
-            );
-            assert_eq!(grid.size().to_array(), made.size());
-            assert!((0.6..=1.0).contains(&max), "{max}");
-            assert!((0.01..0.4).contains(&mean), "{mean}");
-            let size = grid.size().as_ivec3();
-            for axis in 0..3 {
-                for side in [0, size[axis] - 1] {
-                    for i in 0..size[(axis + 1) % 3] {
-                        for j in 0..size[(axis + 2) % 3] {
-                            let mut at = IVec3::ZERO;
-                            at[axis] = side;
-                            at[(axis + 1) % 3] = i;
-                            at[(axis + 2) % 3] = j;
-                            // The plume comes out of the ground.
-                            if pattern == Pattern::Cloud || axis != 1 {
-                                assert_eq!(grid.voxel(at), 0.0, "{pattern:?} {at}");
-                            }
-                        }
-                    }
-                }
-            }
-            let low = grid.world_from_lattice.transform_point3(grid.clip[0]);
-            let high = grid.world_from_lattice.transform_point3(grid.clip[1]);
-            assert!((low.x + high.x).abs() < 1e-9 && low.y.abs() < 1e-9);
-            assert!(((high - low).max_element() - 1.0).abs() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn skipped_bricks_are_empty() {
-        for pattern in [Pattern::SmokePlume, Pattern::Cloud] {
-            for seed in 0..4 {
-                let made = Procedural {
-                    seed,
-                    ..procedural(pattern, 48)
-                };
-                let density = match pattern {
-                    Pattern::SmokePlume => super::Density::Plume(super::Plume::new(&made)),
-                    Pattern::Cloud => super::Density::Cloud(super::Cloud::new(&made)),
-                };
-                let grid = made.generate(&VolumeLimits::default()).unwrap();
-                let size = grid.size().as_ivec3();
-                for z in (0..size.z).step_by(2) {
-                    for y in 0..size.y {
-                        for x in 0..size.x {
-                            let voxel = IVec3::new(x, y, z);
-                            let p = grid.world_from_lattice.transform_point3(voxel.as_dvec3());
-                            let truth = density.at(p.as_vec3()).clamp(0.0, 1.0);
-                            let found = grid.voxel(voxel);
-                            assert!((found - truth).abs() < 1e-3, "{pattern:?} {seed} {voxel}");
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn resolution_refines_the_same_thing_and_seeds_differ() {
-        for pattern in [Pattern::SmokePlume, Pattern::Cloud] {
-            let limits = VolumeLimits::default();
-            let coarse = procedural(pattern, 48).generate(&limits).unwrap();
-            let fine = procedural(pattern, 96).generate(&limits).unwrap();
-            assert!((mean(&coarse) / mean(&fine) - 1.0).abs() < 0.15);
-            let other = Procedural {
-                seed: 1,
-                ..procedural(pattern, 48)
-            };
-            let other = other.generate(&limits).unwrap();
-            assert_ne!(mean(&other), mean(&coarse));
-            for resolution in [8, 9, 11, 31] {
-                let grid = procedural(pattern, resolution).generate(&limits).unwrap();
-                assert!(grid.max() > 0.0 && grid.max() <= 1.0);
-            }
-        }
-    }
-
-    #[test]
-    fn a_grid_is_made_once_and_memory_is_bounded() {
-        let limits = VolumeLimits::default();
-        let made = procedural(Pattern::Cloud, 24);
-        let first = made.grid(&limits).unwrap();
-        assert!(Arc::ptr_eq(&first, &made.grid(&limits).unwrap()));
-        let tight = VolumeLimits {
-            grid_bytes: 1000,
-            ..limits
-        };
-        assert!(made.grid(&tight).is_err());
-        for (resolution, octaves) in [(7, 5), (257, 5), (32, 0), (32, 9)] {
-            let wrong = Procedural {
-                resolution,
-                octaves,
-                ..made
-            };
-            assert!(wrong.grid(&limits).is_err());
-        }
-    }
-}
+mod tests;

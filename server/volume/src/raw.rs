@@ -10,13 +10,13 @@
 //! and that of exports from OpenVDB, `dims_xyz`, `dtype` and, in world units, `voxel_size` with
 //! the place of the first voxel, `world_of_ijk_min`. x changes fastest in both.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use glam::DVec3;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use tyndall_files::regular::{self, ReadError};
 
 use crate::dense::Dense;
 use crate::number::Number;
@@ -208,15 +208,20 @@ pub(crate) fn sidecar(path: &Path) -> Result<String, VolumeError> {
     let longer = Path::new(&longer);
     let shorter = path.with_extension("json");
     let chosen = if longer.exists() { longer } else { &shorter };
-    let file = File::open(chosen).map_err(|error| {
-        VolumeError::invalid(
-            "description",
-            error.to_string(),
-            "a file of the same name and .json",
-        )
+    let refused = |found: String| {
+        let allowed = "a file of the same name and .json";
+        VolumeError::invalid("description", found, allowed)
+    };
+    let bytes = regular::read(chosen, MAX_SIDECAR).map_err(|error| match error {
+        ReadError::Io(error) => {
+            let name = chosen.file_name().unwrap_or_default().to_string_lossy();
+            refused(format!("{}: {error}", shown(&name)))
+        }
+        ReadError::TooLarge { found, limit } => VolumeError::Limit {
+            what: "bytes of the description",
+            found,
+            limit,
+        },
     })?;
-    let mut text = String::new();
-    file.take(MAX_SIDECAR + 1).read_to_string(&mut text)?;
-    VolumeError::within("bytes of the description", text.len() as u64, MAX_SIDECAR)?;
-    Ok(text)
+    String::from_utf8(bytes).map_err(|error| refused(error.to_string()))
 }

@@ -1,5 +1,5 @@
-//! Broken files: at least 10,000 of each format, made from whole ones by small changes. Reading one
-//! never panics, never takes much memory, and is quick.
+//! Broken files: 10,000 of each format, made from whole ones by small changes that follow from a fixed seed,
+//! more with `TYNDALL_MUTATIONS`. Reading one never panics, never takes much memory, and is quick.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -9,10 +9,10 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
+use tyndall_mutations::cases;
 use tyndall_volume::{Grid, ReadOptions, VolumeError, VolumeLimits, npy, npz, nvdb, raw, vdb, vol};
 
-const CASES: u32 = 10_000;
 const LIMITS: VolumeLimits = VolumeLimits {
     file_bytes: 1 << 20,
     grid_bytes: 4 << 20,
@@ -99,7 +99,7 @@ fn peak() -> u64 {
         .unwrap_or(0)
 }
 
-/// Reads `CASES` changed copies of the seeds; each has to end in a grid within the limits or an
+/// Reads [`cases`] changed copies of the seeds; each has to end in a grid within the limits or an
 /// error.
 fn attack(format: &str, seeds: &[Vec<u8>], read: impl Fn(&[u8]) -> Result<Grid, VolumeError>) {
     for seed in seeds {
@@ -110,13 +110,13 @@ fn attack(format: &str, seeds: &[Vec<u8>], read: impl Fn(&[u8]) -> Result<Grid, 
     let slowest = std::cell::Cell::new(0);
     let fine = std::cell::Cell::new(0);
     let config = ProptestConfig {
-        cases: CASES,
+        cases: cases() as u32,
         failure_persistence: None,
         max_shrink_iters: 200,
         ..ProptestConfig::default()
     };
     let strategy = (0..seeds.len(), prop::collection::vec(change(), 1..4));
-    TestRunner::new(config)
+    TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha))
         .run(&strategy, |(seed, changes)| {
             let mut bytes = seeds[seed].clone();
             for change in &changes {
@@ -135,7 +135,8 @@ fn attack(format: &str, seeds: &[Vec<u8>], read: impl Fn(&[u8]) -> Result<Grid, 
         .unwrap();
     let grown = peak() - before;
     eprintln!(
-        "{format}: {CASES} files, {} of them read, in {:.1} s, the slowest in {} ms; {} MiB more addresses",
+        "{format}: {} files, {} of them read, in {:.1} s, the slowest in {} ms; {} MiB more addresses",
+        cases(),
         fine.get(),
         start.elapsed().as_secs_f64(),
         slowest.get(),

@@ -3,7 +3,7 @@
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -15,6 +15,7 @@ use tyndall_render::{Device, Renderer};
 use tyndall_scene::description::render::Technique;
 use tyndall_scene::presets;
 
+use crate::one_line;
 use crate::scene_argument::{self, DeviceArguments};
 
 /// Another renderer to measure beside.
@@ -103,10 +104,20 @@ impl Bench {
         } else {
             self.scenes.clone()
         };
-        let subjects = names
-            .iter()
-            .map(|name| subject(name))
-            .collect::<anyhow::Result<Vec<_>>>()?;
+        let mut failures = Vec::new();
+        let mut subjects = Vec::new();
+        for name in &names {
+            match subject(name) {
+                Ok(subject) => subjects.push(subject),
+                Err(error) => self.fail(&mut failures, name, &error)?,
+            }
+        }
+        if subjects.is_empty() {
+            bail!(
+                "none of the scenes could be measured: {}",
+                failures.join("; ")
+            );
+        }
         let budget = if self.quick {
             Budget::quick(subjects.len())
         } else {
@@ -122,10 +133,18 @@ impl Bench {
                 Ok(motion) => (motion, None),
                 Err(error) => (None, Some(format!("frames in motion: {error}"))),
             };
-            let mut result = suite.run(&mut renderer, subject, &mut |what| {
+            let measured = suite.run(&mut renderer, subject, &mut |what| {
                 bar.set_message(what.to_owned());
                 bar.inc(1);
-            })?;
+            });
+            let mut result = match measured {
+                Ok(result) => result,
+                Err(error) => {
+                    let told = || self.fail(&mut failures, &subject.name, &error.into());
+                    bar.suspend(told)?;
+                    continue;
+                }
+            };
             result.remarks.extend(refused);
             if self.to_stdout() {
                 let mut text = table(&result);
@@ -137,7 +156,36 @@ impl Bench {
             results.push((motion, result));
         }
         bar.finish_and_clear();
-        self.write(&Machine::of(&renderer), &results)
+        self.write(&Machine::of(&renderer), &results)?;
+        if !failures.is_empty() {
+            bail!(
+                "{} of {} scenes could not be measured: {}",
+                failures.len(),
+                names.len(),
+                failures.join("; ")
+            );
+        }
+        Ok(())
+    }
+
+    /// Notes a scene that cannot be measured, in the place of its table; the others go on.
+    fn fail(
+        &self,
+        failures: &mut Vec<String>,
+        name: &str,
+        error: &anyhow::Error,
+    ) -> anyhow::Result<()> {
+        let why = one_line(error);
+        let why = if why.contains(name) {
+            why
+        } else {
+            format!("{name}: {why}")
+        };
+        if self.to_stdout() {
+            writeln!(std::io::stdout().lock(), "{name}: not measured: {why}")?;
+        }
+        failures.push(why);
+        Ok(())
     }
 
     fn suite(&self, budget: &Budget) -> Suite {

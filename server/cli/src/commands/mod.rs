@@ -7,3 +7,4 @@ pub mod compare;
 pub mod plan;
 pub mod render;
 pub mod serve;
+mod serve_limits;

@@ -8,6 +8,7 @@ use clap::Args;
 use tokio_util::sync::CancellationToken;
 use tyndall_service::ServeOptions;
 
+use super::serve_limits::LimitArguments;
 use crate::scene_argument::{self, DeviceArguments};
 
 /// Serve the page and stream pictures to it.
@@ -19,34 +20,42 @@ pub struct Serve {
     /// Address to listen on; port 0 takes a free one. Anything but loopback needs --token.
     #[arg(long, env = "TYNDALL_BIND", default_value = "127.0.0.1:8080")]
     bind: SocketAddr,
-    /// Secret that clients must show (Authorization: Bearer, or ?token= in the page's address).
+    /// Secret that clients must show (Authorization: Bearer, or ?token= in the page's address, where
+    /// + / = % & # are written as %2B %2F %3D %25 %26 %23).
     #[arg(long, env = "TYNDALL_TOKEN", hide_env_values = true)]
     token: Option<String>,
     /// Write the bound address here.
     #[arg(long)]
     port_file: Option<PathBuf>,
-    /// Another origin whose pages may open the stream (repeatable).
+    /// Another origin whose pages may ask, such as <https://tyndall.example.org> behind a gateway
+    /// (repeatable).
     #[arg(long = "allow-origin")]
     allowed_origins: Vec<String>,
     #[command(flatten)]
     device: DeviceArguments,
+    #[command(flatten, next_help_heading = "Limits")]
+    limits: LimitArguments,
 }
 
 impl Serve {
     pub fn run(self) -> anyhow::Result<()> {
-        let scene = scene_argument::load(&self.scene)?;
         let options = ServeOptions {
             device: self.device.options(),
             token: self.token,
             port_file: self.port_file,
             allowed_origins: self.allowed_origins,
-            ..ServeOptions::new(self.bind, scene)
+            limits: self.limits.limits(),
+            memory: self.limits.memory(),
+            end_process: true,
+            ..ServeOptions::new(self.bind, scene_argument::load(&self.scene)?)
         };
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .enable_all()
             .build()
             .context("cannot start the async runtime")?;
-        runtime.block_on(tyndall_service::serve(options, CancellationToken::new()))?;
-        Ok(())
+        let served = runtime.block_on(tyndall_service::serve(options, CancellationToken::new()));
+        // A scene that is still being built is not waited for.
+        runtime.shutdown_background();
+        Ok(served?)
     }
 }

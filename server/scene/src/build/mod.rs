@@ -9,7 +9,7 @@ use std::sync::Arc;
 use crate::description::{CameraDescription, GeometryDescription, SceneDescription};
 use crate::error::SceneError;
 use crate::files::Folder;
-use crate::import::{self, Assets, Imported};
+use crate::import::{self, Assets, Grids, Imported};
 use crate::limits::Limits;
 use crate::scene::{Geometry, Scene, SharedGeometry};
 use crate::validate;
@@ -50,18 +50,37 @@ pub fn build_with(
     with_file_camera(description, folder, limits).map(|(loaded, _)| loaded)
 }
 
+/// [`build_with`] of a scene without files, for what only asks how large things are: every procedural
+/// grid stands as a block of density 1 where it would be, so that its making takes no time. What follows
+/// from the densities is the most that it could be.
+///
+/// # Errors
+/// [`SceneError`] with the JSON path of what is wrong.
+pub fn outline(description: SceneDescription, limits: &Limits) -> Result<Loaded, SceneError> {
+    whole(description, None, limits, Grids::Outlined).map(|(loaded, _)| loaded)
+}
+
 /// [`build_with`], and the first perspective camera of the files.
 pub(crate) fn with_file_camera(
+    description: SceneDescription,
+    folder: Option<&Path>,
+    limits: &Limits,
+) -> Result<(Loaded, Option<CameraDescription>), SceneError> {
+    whole(description, folder, limits, Grids::Made)
+}
+
+fn whole(
     mut description: SceneDescription,
     folder: Option<&Path>,
     limits: &Limits,
+    grids: Grids,
 ) -> Result<(Loaded, Option<CameraDescription>), SceneError> {
     validate::description(&description, limits)?;
     let folder = Folder::open(folder, limits)?;
     let mut imported = import::geometry(&description.geometry, &folder, limits)?;
     let file_camera = imported.camera.take();
     let (geometry, mut warnings) = adopt(&mut description, imported, limits)?;
-    let assets = Assets::load(&description, &folder, limits, &mut warnings)?;
+    let assets = Assets::load(&description, &folder, limits, grids, &mut warnings)?;
     let scene = scene(
         &description,
         SharedGeometry(Arc::new(geometry)),

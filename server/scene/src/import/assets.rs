@@ -30,6 +30,15 @@ pub(crate) struct Assets {
     pub(crate) shapes: Vec<MediumShape>,
 }
 
+/// What procedural grids are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Grids {
+    /// Made voxel by voxel.
+    Made,
+    /// Blocks of their largest density, for planning.
+    Outlined,
+}
+
 /// What a grid is made from: media that agree share the grid.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 enum Key {
@@ -44,6 +53,7 @@ impl Assets {
         description: &SceneDescription,
         folder: &Folder,
         limits: &Limits,
+        grids: Grids,
         warnings: &mut Vec<String>,
     ) -> Result<Self, SceneError> {
         let mut map = None;
@@ -55,6 +65,7 @@ impl Assets {
         let mut loader = Loader {
             folder,
             limits,
+            making: grids,
             warnings,
             grids: HashMap::new(),
             bytes: 0,
@@ -202,6 +213,7 @@ fn placed_grid(
 struct Loader<'a> {
     folder: &'a Folder<'a>,
     limits: &'a Limits,
+    making: Grids,
     warnings: &'a mut Vec<String>,
     grids: HashMap<Key, SharedGrid>,
     /// Memory of the grids so far.
@@ -209,7 +221,11 @@ struct Loader<'a> {
 }
 
 impl Loader<'_> {
-    fn grid(&mut self, path: &str, key: Key) -> Result<SharedGrid, SceneError> {
+    fn grid(&mut self, path: &str, mut key: Key) -> Result<SharedGrid, SceneError> {
+        if let (Grids::Outlined, Key::Procedural(procedural)) = (self.making, &mut key) {
+            // Neither shows in an outline: however many seeds there are, it is made once.
+            (procedural.seed, procedural.octaves) = (0, 1);
+        }
         if let Some(grid) = self.grids.get(&key) {
             return Ok(grid.clone());
         }
@@ -240,9 +256,11 @@ impl Loader<'_> {
                 }
                 Arc::new(grid)
             }
-            Key::Procedural(procedural) => procedural
-                .grid(&limits)
-                .map_err(|error| self.refused(error, path, "procedural", limits.grid_bytes))?,
+            Key::Procedural(procedural) => match self.making {
+                Grids::Made => procedural.grid(&limits),
+                Grids::Outlined => procedural.outline(&limits).map(Arc::new),
+            }
+            .map_err(|error| self.refused(error, path, "procedural", limits.grid_bytes))?,
         };
         self.bytes += grid.bytes();
         let grid = SharedGrid::new(grid);
@@ -281,6 +299,12 @@ impl Loader<'_> {
                 what,
                 found,
                 limit,
+            },
+            VolumeError::Decoder(failed) => SceneError::Model {
+                path,
+                file,
+                location: "grid".to_owned(),
+                message: failed.to_string(),
             },
             VolumeError::Io(source) => SceneError::Io { path, file, source },
         }

@@ -4,12 +4,13 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use exr::prelude::{ReadChannels, ReadLayers, SampleType};
-use image::ImageDecoder;
-use image::codecs::hdr::HdrDecoder;
+use tyndall_files::{
+    ExrError, ExrLimits, ImageError, ImageLimits, decode_radiance, guarded, read_exr_header,
+};
 
 use crate::error::SceneError;
 use crate::files::Folder;
-use crate::limits::{Limits, limit};
+use crate::limits::Limits;
 use crate::scene::EnvironmentMap;
 
 /// What infinity in a 16-bit channel becomes: the largest value of the format. Writers overflow at
@@ -43,34 +44,32 @@ pub(super) fn load(
         location: "image".to_owned(),
         message,
     };
-    let fits = |width: usize, height: usize| {
-        if width == 0 || height == 0 {
-            return Err(refused(format!(
-                "{width}×{height} pixels, allowed 1 or more"
-            )));
-        }
-        let pixels = (width as u64).saturating_mul(height as u64);
-        let what = "the number of pixels of the environment map";
-        limit(path, what, pixels, limits.environment_pixels)
+    let too_large = |found: u64, limit: u64| SceneError::Limit {
+        path: path.to_owned(),
+        what: "the number of pixels of the environment map",
+        found,
+        limit,
     };
+    let most = limits.environment_pixels;
     let mut decoded = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        for header in exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false)
+        let limits = ExrLimits {
+            pixels: most,
+            channels: CHANNELS,
+            bytes: u64::MAX,
+        };
+        read_exr_header(&bytes, limits).map_err(|error| match error {
+            ExrError::Pixels { found, limit } => too_large(found, limit),
+            other => refused(other.to_string()),
+        })?;
+        guarded("OpenEXR", || decode_exr(&bytes))
+            .map_err(|failed| refused(failed.to_string()))?
             .map_err(|error| refused(error.to_string()))?
-            .headers
-        {
-            fits(header.layer_size.width(), header.layer_size.height())?;
-            if header.channels.list.len() > CHANNELS {
-                let found = header.channels.list.len();
-                return Err(refused(format!("{found} channels, allowed {CHANNELS}")));
-            }
-        }
-        decode_exr(&bytes).map_err(|error| refused(error.to_string()))?
     } else {
-        let decoder = HdrDecoder::new(Cursor::new(&bytes))
-            .map_err(|error| refused(format!("neither Radiance nor EXR: {error}")))?;
-        let (width, height) = decoder.dimensions();
-        fits(width as usize, height as usize)?;
-        decode_hdr(decoder).map_err(|error| refused(error.to_string()))?
+        decode_hdr(&bytes, most).map_err(|error| match error {
+            ImageError::Pixels { found, limit } => too_large(found, limit),
+            ImageError::Broken(error) => refused(format!("neither Radiance nor EXR: {error}")),
+            other => refused(other.to_string()),
+        })?
     };
     if decoded.pixels.len() != decoded.width * decoded.height {
         return Err(refused("fewer pixels than its header says".to_owned()));
@@ -85,16 +84,17 @@ pub(super) fn load(
 }
 
 /// Radiance divides out the exposure that the header names.
-fn decode_hdr(decoder: HdrDecoder<Cursor<&Vec<u8>>>) -> image::ImageResult<Decoded> {
-    let (width, height) = decoder.dimensions();
-    let header = decoder.metadata();
-    let exposure = header.exposure.filter(|e| e.is_finite() && *e > 0.0);
+fn decode_hdr(bytes: &[u8], pixels: u64) -> Result<Decoded, ImageError> {
+    let side = u32::MAX;
+    let (picture, exposure) = decode_radiance(bytes, ImageLimits { side, pixels })?;
+    let exposure = exposure.filter(|e| e.is_finite() && *e > 0.0);
     let scale = 1.0 / exposure.unwrap_or(1.0);
-    let values = image::DynamicImage::from_decoder(decoder)?.into_rgb32f();
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let values = picture.into_rgb32f();
     let pixels = values.as_raw().chunks_exact(3);
     Ok(Decoded {
-        width: width as usize,
-        height: height as usize,
+        width,
+        height,
         pixels: pixels
             .map(|p| [p[0] * scale, p[1] * scale, p[2] * scale])
             .collect(),

@@ -1,11 +1,9 @@
 //! Images of files and `data:` URIs, decoded within limits.
 
-use std::io::Cursor;
-
-use image::{ImageFormat, ImageReader};
+use tyndall_files::{ImageError, ImageLimits, decode_image};
 
 use crate::error::SceneError;
-use crate::limits::{Limits, limit};
+use crate::limits::Limits;
 use crate::scene::{ColorSpace, Wrap};
 
 /// What a texture was made from: uses that agree share the texture.
@@ -53,38 +51,21 @@ impl Image {
         limits: &Limits,
         total: &mut u64,
     ) -> Result<(u32, u32, Vec<u8>), SceneError> {
-        let format = image::guess_format(&self.bytes).ok();
-        let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = format else {
-            return Err(self.refused("neither PNG nor JPEG".to_owned()));
+        let most = ImageLimits {
+            side: limits.texture_side,
+            pixels: limits.texture_pixels.saturating_sub(*total),
         };
-        let reader = || {
-            let mut reader = ImageReader::with_format(Cursor::new(&self.bytes), format);
-            let mut most = image::Limits::default();
-            most.max_image_width = Some(limits.texture_side);
-            most.max_image_height = Some(limits.texture_side);
-            reader.limits(most);
-            reader
-        };
-        let (width, height) = reader()
-            .into_dimensions()
-            .map_err(|error| self.refused(error.to_string()))?;
-        let side = limits.texture_side;
-        if width > side || height > side || width == 0 || height == 0 {
-            return Err(self.refused(format!(
-                "{width}×{height} pixels, allowed 1 to {side} a side"
-            )));
-        }
-        let pixels = u64::from(width) * u64::from(height);
-        *total = total.saturating_add(pixels);
-        limit(
-            &self.source.path,
-            "the number of pixels of all textures",
-            *total,
-            limits.texture_pixels,
-        )?;
-        let decoded = reader()
-            .decode()
-            .map_err(|error| self.refused(error.to_string()))?;
+        let decoded = decode_image(&self.bytes, most).map_err(|error| match error {
+            ImageError::Pixels { found, .. } => SceneError::Limit {
+                path: self.source.path.clone(),
+                what: "the number of pixels of all textures",
+                found: total.saturating_add(found),
+                limit: limits.texture_pixels,
+            },
+            other => self.refused(other.to_string()),
+        })?;
+        let (width, height) = (decoded.width(), decoded.height());
+        *total = total.saturating_add(u64::from(width) * u64::from(height));
         Ok((width, height, decoded.into_rgba8().into_raw()))
     }
 }

@@ -21,7 +21,7 @@ use crate::limits::Limits;
 
 use importer::Importer;
 
-pub(crate) use assets::Assets;
+pub(crate) use assets::{Assets, Grids};
 pub(crate) use importer::Imported;
 
 /// Imports all geometry of a validated description.

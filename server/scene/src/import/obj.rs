@@ -3,10 +3,13 @@
 //! `tobj` parses, but panics on some malformed lines; a first pass over the text finds those and
 //! names the line.
 
-use std::cell::RefCell;
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use tyndall_files::guarded;
 
 use super::importer::{IDENTITY_UV, Importer};
 use super::surface::RawMesh;
@@ -42,12 +45,11 @@ pub(super) fn import(
         ignore_points: true,
         ignore_lines: true,
     };
-    let problem = RefCell::new(None);
-    let libraries = RefCell::new(0);
+    let problem = Mutex::new(None);
+    let libraries = AtomicUsize::new(0);
     let folder = importer.folder;
     let load_library = |name: &Path| {
-        *libraries.borrow_mut() += 1;
-        let loaded = if *libraries.borrow() > LIBRARIES {
+        let loaded = if libraries.fetch_add(1, Ordering::Relaxed) >= LIBRARIES {
             Err(file.refused(
                 "mtllib",
                 format!("more than {LIBRARIES} material libraries"),
@@ -56,14 +58,18 @@ pub(super) fn import(
             library(&file, folder, name)
         };
         loaded.or_else(|error| {
-            problem.borrow_mut().get_or_insert(error);
+            let mut problem = problem.lock().unwrap_or_else(PoisonError::into_inner);
+            problem.get_or_insert(error);
             tobj::load_mtl_buf(&mut Cursor::new(b""))
         })
     };
-    let parsed = tobj::load_obj_buf(&mut Cursor::new(&bytes), &options, load_library);
-    if let Some(error) = problem.into_inner() {
+    let parsed = guarded("OBJ and MTL", || {
+        tobj::load_obj_buf(&mut Cursor::new(&bytes), &options, load_library)
+    });
+    if let Some(error) = problem.into_inner().unwrap_or_else(PoisonError::into_inner) {
         return Err(error);
     }
+    let parsed = parsed.map_err(|failed| file.refused("OBJ", failed.to_string()))?;
     let (models, materials) = parsed.map_err(|error| file.refused("OBJ", error.to_string()))?;
     let materials = materials.map_err(|error| file.refused("MTL", error.to_string()))?;
 

@@ -10,7 +10,7 @@
 //! - `show`: brings a picture to a wish, prepared first, with `fit` smaller where memory is short;
 //! - `effort`: how many pixels a moving picture gets;
 //! - `refusal`: pictures that cannot be made, and frames that cannot be read;
-//! - `recovery`: a lost device, who may have lost it, and another one;
+//! - `recovery`: a lost device or a renderer that panicked, who may have lost it, and another one;
 //! - `readiness`: what the routes ask.
 
 mod effort;
@@ -35,7 +35,7 @@ use crate::encoder_pool::EncoderPool;
 use crate::options::ServeError;
 use crate::sessions::Sessions;
 
-pub(crate) use self::readiness::Readiness;
+pub(crate) use self::readiness::{Place, Readiness};
 
 /// Starts the thread and waits until its device is open.
 pub(crate) async fn start<B: Backend + 'static>(
@@ -65,7 +65,7 @@ pub(crate) async fn start<B: Backend + 'static>(
                 }
             };
             let adapter = backend.adapter();
-            readiness.set(true);
+            readiness.opened(backend.plan_limits());
             let software = adapter.kind == AdapterKind::Software;
             if tell.send(Ok(adapter)).is_ok() {
                 RenderThread {
@@ -80,6 +80,7 @@ pub(crate) async fn start<B: Backend + 'static>(
                     software,
                     frame_budget,
                     device_errors: 0,
+                    working_for: None,
                 }
                 .run();
             }

@@ -4,15 +4,20 @@
 //! on the device, each of them is suspect: its next frame has the new device alone, and if that is
 //! lost, too, the wish is refused. A wish that was alone once and is suspect again is refused.
 
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 use tyndall_render::RenderError;
 use tyndall_stream::protocol::AdapterKind;
 
+use super::readiness::Place;
 use super::refusal::{Loss, is_loss, refuse, tell};
 use super::round::RenderThread;
 use super::seat::{Seat, same_wish};
 use crate::backend::Backend;
+use crate::options::ServeError;
+use crate::panics::words;
 use crate::session::Wish;
 use crate::telemetry;
 
@@ -38,13 +43,27 @@ impl<B: Backend> RenderThread<B> {
         Ok(())
     }
 
+    /// A panic of the renderer as the loss of its device, by the session that it worked for.
+    pub(super) fn panicked(&mut self, panic: &(dyn Any + Send)) -> Loss {
+        let words = words(panic);
+        self.readiness.panicked(Place::Renderer);
+        tracing::error!(session = self.working_for, words, "the renderer panicked");
+        Loss {
+            error: RenderError::DeviceLost(format!("the renderer panicked: {words}")),
+            caller: self.working_for.take(),
+        }
+    }
+
     /// Opens another device after the old one was lost; returns when one works or on shutdown.
     pub(super) fn recover(&mut self, loss: &Loss) {
         self.readiness.set(false);
         telemetry::device_lost();
         tracing::error!(error = %loss.error, "the device is lost, opening another");
         blame(&mut self.seats, loss);
-        self.backend = None;
+        let lost = self.backend.take();
+        if let Err(panic) = catch_unwind(AssertUnwindSafe(|| drop(lost))) {
+            tracing::error!(words = words(panic.as_ref()), "closing the device panicked");
+        }
         self.device_errors = 0;
         for attempt in 0.. {
             let last = RETRY_AFTER_MILLIS.len() - 1;
@@ -56,13 +75,20 @@ impl<B: Backend> RenderThread<B> {
                     return;
                 }
             }
-            match (self.open)() {
+            let opened = catch_unwind(AssertUnwindSafe(|| (self.open)()));
+            let opened = opened.unwrap_or_else(|panic| {
+                Err(ServeError::Thread {
+                    name: "render",
+                    reason: words(panic.as_ref()),
+                })
+            });
+            match opened {
                 Ok(backend) => {
                     let adapter = backend.adapter();
                     tracing::info!(adapter = adapter.name, "another device is open");
                     self.software = adapter.kind == AdapterKind::Software;
+                    self.readiness.opened(backend.plan_limits());
                     self.backend = Some(backend);
-                    self.readiness.set(true);
                     return;
                 }
                 Err(error) => tracing::error!(%error, attempt, "no device could be opened"),

@@ -1,5 +1,6 @@
 //! The loop of the render thread: who gets the next frame, what has come back, when to sleep.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -43,14 +44,21 @@ pub(super) struct RenderThread<B: Backend> {
     /// What a frame of a moving picture may take; by the kind of device without one.
     pub(super) frame_budget: Option<Duration>,
     pub(super) device_errors: u32,
+    /// The session whose picture the renderer is asked for right now.
+    pub(super) working_for: Option<u64>,
 }
 
 impl<B: Backend> RenderThread<B> {
     pub(super) fn run(mut self) {
         while !self.shutdown.is_cancelled() {
-            if let Err(loss) = self.round() {
-                self.recover(&loss);
-            }
+            // What a panic leaves behind is not used again: another device is opened, every picture begun
+            // anew.
+            let loss = match catch_unwind(AssertUnwindSafe(|| self.round())) {
+                Ok(Ok(())) => continue,
+                Ok(Err(loss)) => loss,
+                Err(panic) => self.panicked(panic.as_ref()),
+            };
+            self.recover(&loss);
         }
         for seat in &mut self.seats {
             seat.clear();
@@ -147,7 +155,10 @@ impl<B: Backend> RenderThread<B> {
 
     /// [`Self::look`], after which a session whose picture cannot be made knows it.
     fn begin_frame(&mut self, index: usize) -> Result<bool, Loss> {
-        let error = match self.look(index) {
+        self.working_for = self.seats.get(index).map(|seat| seat.session.id);
+        let looked = self.look(index);
+        self.working_for = None;
+        let error = match looked {
             Ok(submitted) => return Ok(submitted),
             Err(error) => error,
         };
@@ -225,7 +236,9 @@ impl<B: Backend> RenderThread<B> {
         let Some(frame_id) = lock(&seat.session.pacing).begin(now) else {
             return Ok(false);
         };
+        seat.starting = Some(frame_id);
         let outcome = backend.render(&mut picture.view, u64::from(frame_id));
+        seat.starting = None;
         if !matches!(outcome, Ok(RenderOutcome::Submitted)) {
             lock(&seat.session.pacing).discard(frame_id);
         }

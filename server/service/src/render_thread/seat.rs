@@ -1,11 +1,13 @@
 //! A session's place at the device: its picture, its frame on the device, and what is known of its wish.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::effort::Effort;
 use super::fit::Fit;
 use crate::bell::lock;
+use crate::panics::words;
 use crate::session::{Session, Wish};
 
 /// A session's picture on the device.
@@ -34,6 +36,8 @@ pub(super) struct Seat<V> {
     pub(super) session: Arc<Session>,
     pub(super) picture: Option<Picture<V>>,
     pub(super) flight: Option<Flight>,
+    /// Number of a frame that the renderer is being asked to start.
+    pub(super) starting: Option<u32>,
     /// Input and epoch of the newest frame that was begun.
     pub(super) answered: Option<(u64, u32)>,
     /// The wish that the device was last asked to show.
@@ -60,6 +64,7 @@ impl<V> Seat<V> {
             session,
             picture: None,
             flight: None,
+            starting: None,
             answered: None,
             asked: None,
             refused: None,
@@ -74,10 +79,18 @@ impl<V> Seat<V> {
 
     /// Forgets everything on the device.
     pub(super) fn clear(&mut self) {
-        self.picture = None;
+        let picture = self.picture.take();
+        // After a panic of the renderer nothing is sure about what it left behind.
+        if let Err(panic) = catch_unwind(AssertUnwindSafe(|| drop(picture))) {
+            tracing::error!(
+                words = words(panic.as_ref()),
+                "giving up a picture panicked"
+            );
+        }
         self.preparing = false;
-        if let Some(flight) = self.flight.take() {
-            lock(&self.session.pacing).discard(flight.frame_id);
+        let flight = self.flight.take().map(|flight| flight.frame_id);
+        for frame_id in flight.into_iter().chain(self.starting.take()) {
+            lock(&self.session.pacing).discard(frame_id);
         }
     }
 

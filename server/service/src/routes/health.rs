@@ -16,7 +16,7 @@ pub(super) async fn live() -> &'static str {
 }
 
 /// The renderer works and the server is not going down.
-pub(super) async fn ready(State(app): State<Arc<App>>) -> Result<&'static str, Problem> {
+pub(super) async fn ready(State(app): State<Arc<App>>) -> Result<String, Problem> {
     if app.shutdown.is_cancelled() {
         return Err(Problem::new(
             ErrorCode::NotReady,
@@ -26,7 +26,14 @@ pub(super) async fn ready(State(app): State<Arc<App>>) -> Result<&'static str, P
     if !app.readiness.get() {
         return Err(Problem::new(ErrorCode::NotReady, "no device is open"));
     }
-    Ok("ready\n")
+    let (renderer, encoder) = app.readiness.panics();
+    let mut text = "ready\n".to_owned();
+    for (count, place) in [(renderer, "renderer"), (encoder, "encoder")] {
+        if count > 0 {
+            text += &format!("{count} pictures were given up after a panic of the {place}\n");
+        }
+    }
+    Ok(text)
 }
 
 #[derive(Debug, Serialize)]

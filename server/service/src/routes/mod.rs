@@ -1,12 +1,13 @@
 //! HTTP addresses, a file each, and what holds for all of them.
 
-pub(crate) mod access;
 mod health;
+mod host;
 mod metrics;
 mod page;
 mod plan;
 mod presets;
 mod schema;
+mod token;
 
 use std::sync::Arc;
 
@@ -25,15 +26,10 @@ use crate::problem::Problem;
 use crate::server::App;
 use crate::socket;
 
-/// The page loads nothing from elsewhere; lil-gui brings its style and icon font in the script.
-const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; img-src 'self' blob: data:; \
-     style-src 'self' 'unsafe-inline'; font-src 'self' data:; worker-src 'self' blob:; \
-     connect-src 'self' ws: wss:; object-src 'none'; base-uri 'none'; form-action 'none'; \
-     frame-ancestors 'none'";
-
 /// Everything that the port answers.
 pub(crate) fn router(app: Arc<App>) -> Router {
     let guarded = Router::new()
+        .route("/v1/access", get(token::access))
         .route("/v1/presets", get(presets::list))
         .route("/v1/presets/{name}", get(presets::one))
         .route("/v1/plan", get(plan::of_preset).post(plan::of_scene))
@@ -42,8 +38,9 @@ pub(crate) fn router(app: Arc<App>) -> Router {
         .route("/metrics", get(metrics::print))
         .route_layer(middleware::from_fn_with_state(
             Arc::clone(&app),
-            access::require_token,
+            token::require,
         ));
+    let checked = middleware::from_fn_with_state(Arc::clone(&app), host::check);
     let router = Router::new()
         .route("/livez", get(health::live))
         .route("/readyz", get(health::ready))
@@ -53,9 +50,9 @@ pub(crate) fn router(app: Arc<App>) -> Router {
         .with_state(app)
         .merge(page::router())
         .fallback(not_found)
-        .method_not_allowed_fallback(method_not_allowed);
+        .method_not_allowed_fallback(method_not_allowed)
+        .layer(checked);
     [
-        ("content-security-policy", CONTENT_SECURITY_POLICY),
         ("x-content-type-options", "nosniff"),
         ("x-frame-options", "DENY"),
         // The address may carry the token.

@@ -8,13 +8,14 @@ use futures_util::StreamExt as _;
 use tyndall_scene::presets;
 use tyndall_stream::pacing::Accepts;
 use tyndall_stream::protocol::{
-    ClientMessage, ErrorCode, ErrorMessage, Hello, PROTOCOL_VERSION, Preset, ServerMessage,
-    StreamLimits, Welcome,
+    ClientMessage, ErrorCode, ErrorMessage, Hello, Notice, PROTOCOL_VERSION, Preset, SceneMessage,
+    ServerMessage, StreamLimits, Welcome,
 };
 
-use super::{Connection, Farewell, Stream, error};
+use super::{Connection, Farewell, Stream, broken, error};
 use crate::options::ServiceLimits;
 use crate::server::App;
+use crate::session::Session;
 use crate::telemetry;
 
 /// Why there is no session.
@@ -51,9 +52,15 @@ pub(super) async fn receive(app: &Arc<App>, stream: &mut Stream) -> Result<Conne
                 message,
             ));
         }
-        Ok(Some(Err(_broken))) => {
+        Ok(Some(Err(error))) => {
             return Err(Refused {
-                farewell: Farewell::TOO_LONG,
+                farewell: broken(error),
+                error: None,
+            });
+        }
+        Ok(None) => {
+            return Err(Refused {
+                farewell: Farewell::ABORTED,
                 error: None,
             });
         }
@@ -77,7 +84,7 @@ pub(super) async fn receive(app: &Arc<App>, stream: &mut Stream) -> Result<Conne
         let message = "accept must name jpeg or png";
         Refused::new(Farewell::CODEC, ErrorCode::NoCommonCodec, message)
     })?;
-    open(app, &hello, accepts)
+    open(app, &hello, accepts).await
 }
 
 /// The first message that is no ping.
@@ -123,7 +130,7 @@ fn parse(text: &str) -> Result<Hello, Refused> {
     Ok(hello)
 }
 
-fn open(app: &Arc<App>, hello: &Hello, accepts: Accepts) -> Result<Connection, Refused> {
+async fn open(app: &Arc<App>, hello: &Hello, accepts: Accepts) -> Result<Connection, Refused> {
     let old = hello
         .resume
         .as_deref()
@@ -146,6 +153,9 @@ fn open(app: &Arc<App>, hello: &Hello, accepts: Accepts) -> Result<Connection, R
         number,
     };
     let session = &connection.session;
+    // Before anything waits, so that no frame is begun in another size.
+    let input = session.input();
+    let told = resize(&app.limits, session, input, hello.width, hello.height);
     session.outbox.push(ServerMessage::Welcome(Welcome {
         protocol: PROTOCOL_VERSION,
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -155,39 +165,71 @@ fn open(app: &Arc<App>, hello: &Hello, accepts: Accepts) -> Result<Connection, R
         presets: presets::names().iter().map(preset).collect(),
         limits: limits(&app.limits),
     }));
-    session
-        .outbox
-        .push(ServerMessage::Scene(Box::new(session.scene_message())));
-    match check_size(&app.limits, hello.width, hello.height) {
-        Ok(()) => {
-            let input = session.wish().input;
-            session.resize(input, hello.width, hello.height, Instant::now());
-        }
-        // The session keeps its size: a page that is not laid out yet corrects itself.
-        Err(message) => {
-            let refused = error(ErrorCode::InvalidSize, message, None);
-            session.outbox.push(ServerMessage::Error(refused));
-        }
+    if let Some(scene) = scene_message(session).await {
+        session.outbox.push(ServerMessage::Scene(Box::new(scene)));
+    }
+    if let Some(told) = told {
+        session.outbox.push(told);
     }
     app.sessions.bell.ring();
     Ok(connection)
 }
 
-/// Why a size is refused, in words. Unit: pixel.
-pub(super) fn check_size(limits: &ServiceLimits, width: u32, height: u32) -> Result<(), String> {
+/// Gives a session's picture a size. One above the limits becomes the largest one of its shape within them,
+/// and one without pixels is refused: the session keeps its size, as a page that is not laid out yet corrects
+/// itself. What the client is told of it. Unit: pixel.
+pub(super) fn resize(
+    limits: &ServiceLimits,
+    session: &Session,
+    input: u64,
+    width: u32,
+    height: u32,
+) -> Option<ServerMessage> {
     let ServiceLimits {
         max_pixels,
         max_side,
         ..
     } = *limits;
-    let sides = 1..=max_side;
-    let pixels = u64::from(width) * u64::from(height);
-    if sides.contains(&width) && sides.contains(&height) && pixels <= max_pixels {
-        return Ok(());
+    let allowed = format!("allowed are 1 to {max_side} a side and {max_pixels} in all");
+    if width == 0 || height == 0 {
+        let message = format!("found {width}x{height} pixels, {allowed}");
+        let refused = error(ErrorCode::InvalidSize, message, Some(input));
+        return Some(ServerMessage::Error(refused));
     }
-    Err(format!(
-        "found {width}x{height} pixels, allowed are 1 to {max_side} a side and {max_pixels} in all"
-    ))
+    let (fitting_width, fitting_height) = fitting(limits, width, height);
+    session.resize(input, fitting_width, fitting_height, Instant::now());
+    ((fitting_width, fitting_height) != (width, height)).then(|| {
+        let message = format!(
+            "the picture has {fitting_width}×{fitting_height} pixels instead of {width}×{height}: {allowed}"
+        );
+        ServerMessage::Notice(Notice { message })
+    })
+}
+
+/// The largest size of this shape within the limits; no side is 0. Unit: pixel.
+fn fitting(limits: &ServiceLimits, width: u32, height: u32) -> (u32, u32) {
+    let (w, h) = (f64::from(width), f64::from(height));
+    let by_side = f64::from(limits.max_side) / w.max(h);
+    let by_pixels = (limits.max_pixels as f64 / (w * h)).sqrt();
+    let factor = by_side.min(by_pixels);
+    if factor >= 1.0 {
+        return (width, height);
+    }
+    let most = limits.max_side.max(1);
+    let side = |side: f64| ((side * factor) as u32).clamp(1, most);
+    // A side of a fraction of a pixel became one: the other one is all there may be.
+    let all = u32::try_from(limits.max_pixels.max(1)).unwrap_or(u32::MAX);
+    (side(w).min(all), side(h).min(all))
+}
+
+/// The message that describes a session's scene, put together on a blocking thread; `None` if that broke.
+pub(super) async fn scene_message(session: &Arc<Session>) -> Option<SceneMessage> {
+    let owned = Arc::clone(session);
+    let message = tokio::task::spawn_blocking(move || owned.scene_message()).await;
+    if let Err(broken) = &message {
+        tracing::error!(session = session.id, %broken, "a scene could not be described");
+    }
+    message.ok()
 }
 
 fn preset(info: &presets::PresetInfo) -> Preset {
@@ -204,5 +246,29 @@ fn limits(limits: &ServiceLimits) -> StreamLimits {
         max_side: limits.max_side,
         max_message_bytes: limits.max_message_bytes as u64,
         resume_seconds: limits.resume_for.as_secs(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_above_the_limits_becomes_the_largest_of_its_shape() {
+        let limits = ServiceLimits {
+            max_pixels: 3840 * 2160,
+            max_side: 8192,
+            ..ServiceLimits::default()
+        };
+        assert_eq!(fitting(&limits, 1280, 720), (1280, 720));
+        assert_eq!(fitting(&limits, 3840, 2160), (3840, 2160));
+        assert_eq!(fitting(&limits, 7680, 4320), (3840, 2160));
+        assert_eq!(fitting(&limits, 16_384, 100), (8192, 50));
+        assert_eq!(fitting(&limits, u32::MAX, 1), (8192, 1));
+        for (width, height) in [(u32::MAX, u32::MAX), (1, u32::MAX), (9000, 8000)] {
+            let (w, h) = fitting(&limits, width, height);
+            assert!(w >= 1 && h >= 1 && w <= 8192 && h <= 8192, "{w}×{h}");
+            assert!(u64::from(w) * u64::from(h) <= limits.max_pixels, "{w}×{h}");
+        }
     }
 }

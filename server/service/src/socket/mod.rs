@@ -14,16 +14,17 @@ use std::time::Duration;
 use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade};
-use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
+use tokio_tungstenite::tungstenite::Error as WebSocketError;
+use tokio_tungstenite::tungstenite::error::ProtocolError;
 use tyndall_stream::protocol::{ErrorCode, ErrorMessage, ServerMessage};
 
 use crate::problem::Problem;
-use crate::routes::access;
 use crate::server::App;
 use crate::session::Session;
+use crate::telemetry;
 
 type Sink = SplitSink<WebSocket, Message>;
 type Stream = SplitStream<WebSocket>;
@@ -71,6 +72,10 @@ impl Farewell {
         code: 1008,
         reason: "too many unread messages",
     };
+    const ABORTED: Self = Self {
+        code: 1006,
+        reason: "the connection was aborted",
+    };
     const TOO_LONG: Self = Self {
         code: 1009,
         reason: "message is too long or broken",
@@ -92,10 +97,9 @@ impl Farewell {
 /// Checks the request and turns it into a WebSocket.
 pub(crate) async fn upgrade(
     State(app): State<Arc<App>>,
-    headers: HeaderMap,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Response {
-    match check(&app, &headers, upgrade) {
+    match check(&app, upgrade) {
         Ok(upgrade) => {
             let limits = app.limits;
             // Room for the largest frame, uncompressed, twice.
@@ -117,10 +121,8 @@ pub(crate) async fn upgrade(
 
 fn check(
     app: &App,
-    headers: &HeaderMap,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<WebSocketUpgrade, Problem> {
-    access::check_origin(app, headers)?;
     let upgrade = upgrade.map_err(|rejection| {
         Problem::new(
             ErrorCode::Malformed,
@@ -133,16 +135,14 @@ fn check(
             "the server is going down",
         ));
     }
-    // Connections that have not said hello are not sessions yet; they are bounded too.
-    if app.sockets.len() >= 2 * app.limits.max_sessions {
+    // Sockets that have not said hello are no sessions yet. There is room for them beside all sessions, since
+    // only the hello says who resumes a session of his own.
+    if app.sockets.len() >= 3 * app.limits.max_sessions {
         return Err(Problem::new(
             ErrorCode::TooManySessions,
             "too many connections",
         ));
     }
-    app.sessions
-        .check_room()
-        .map_err(|full| Problem::new(ErrorCode::TooManySessions, full.to_string()))?;
     Ok(upgrade)
 }
 
@@ -167,20 +167,17 @@ async fn converse(app: Arc<App>, socket: WebSocket) {
             tracing::info!(session, "connected");
             let farewell = talk(&connection, &mut sink, &mut stream).await;
             // What explains the end goes out before it.
-            let flushed = write::messages_only(&connection.session, &mut sink);
+            let flushed = write::messages_only(&connection.session, connection.number, &mut sink);
             if tokio::time::timeout(CLOSE_WITHIN, flushed).await.is_err() {
                 tracing::debug!(session, "the last messages did not leave in time");
             }
-            tracing::info!(
-                session,
-                code = farewell.code,
-                reason = farewell.reason,
-                "disconnected"
-            );
+            let Farewell { code, reason } = farewell;
+            tracing::info!(session, code, reason, "disconnected");
             farewell
         }
         Err(hello::Refused { farewell, error }) => {
-            tracing::info!(code = farewell.code, reason = farewell.reason, "refused");
+            let Farewell { code, reason } = farewell;
+            tracing::info!(code, reason, "refused");
             if let Some(error) = error {
                 let message = ServerMessage::Error(error);
                 let sent = send(&mut sink, &message);
@@ -191,7 +188,28 @@ async fn converse(app: Arc<App>, socket: WebSocket) {
             farewell
         }
     };
-    close(sink, stream, farewell).await;
+    let left = farewell == Farewell::CLIENT_LEFT;
+    telemetry::socket_closed(if left {
+        "the client left"
+    } else {
+        farewell.reason
+    });
+    if farewell != Farewell::ABORTED {
+        close(sink, stream, farewell).await;
+    }
+}
+
+/// What a connection that broke tells: a message that is no message, or that nobody is there any more.
+fn broken(error: axum::Error) -> Farewell {
+    match error.into_inner().downcast_ref::<WebSocketError>() {
+        Some(WebSocketError::Protocol(ProtocolError::ResetWithoutClosingHandshake)) => {
+            Farewell::ABORTED
+        }
+        Some(
+            WebSocketError::Capacity(_) | WebSocketError::Utf8(_) | WebSocketError::Protocol(_),
+        ) => Farewell::TOO_LONG,
+        _ => Farewell::ABORTED,
+    }
 }
 
 /// Reads and writes until one side has enough.
@@ -203,7 +221,7 @@ async fn talk(connection: &Connection, sink: &mut Sink, stream: &mut Stream) -> 
     } = connection;
     tokio::select! {
         farewell = read::run(app, session, stream) => farewell,
-        farewell = write::run(app, session, sink) => farewell,
+        farewell = write::run(app, session, *number, sink) => farewell,
         () = session.taken_from(*number) => Farewell::TAKEN_OVER,
         () = app.shutdown.cancelled() => Farewell::GOING_DOWN,
     }

@@ -1,19 +1,19 @@
 //! What the client says after its hello.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use axum::extract::ws::Message;
+use axum::extract::ws::{Message, Utf8Bytes};
 use futures_util::StreamExt as _;
 use tokio::task::{JoinHandle, spawn_blocking};
-use tyndall_scene::Loaded;
+use tyndall_scene::{Loaded, SceneError};
 use tyndall_stream::pacing::Acknowledged;
 use tyndall_stream::protocol::{
-    ClientMessage, EditRequest, ErrorCode, ErrorMessage, OpenPreset, ServerMessage,
+    ClientMessage, EditRequest, ErrorCode, ErrorMessage, OpenPreset, Resize, ServerMessage,
 };
 
 use super::steering::Steering;
-use super::{Farewell, Stream, error, hello};
+use super::{Farewell, Stream, broken, error, hello};
 use crate::bell::lock;
 use crate::scenes::BuildError;
 use crate::server::App;
@@ -24,6 +24,10 @@ use crate::telemetry;
 const MAX_MALFORMED: u32 = 16;
 /// Probes a client may leave unanswered.
 const MAX_SILENT_PROBES: u32 = 3;
+/// Longest message that is parsed where it arrives: a fraction of a millisecond. Unit: byte.
+const SHORT: usize = 4096;
+/// Longest rest after an edit.
+const LONGEST_REST: Duration = Duration::from_secs(5);
 
 /// A preset that is being built for this session.
 struct Opening {
@@ -39,6 +43,8 @@ struct Reader<'a> {
     /// The newest request that came while another preset was being built.
     next: Option<OpenPreset>,
     steering: Steering,
+    /// Before which no further edit is made: edits get a share of the session's time.
+    edit_from: Instant,
 }
 
 /// Reads until the client leaves or goes too far.
@@ -50,6 +56,7 @@ pub(super) async fn run(app: &Arc<App>, session: &Arc<Session>, stream: &mut Str
         opening: None,
         next: None,
         steering: Steering::new(app, session),
+        edit_from: Instant::now(),
     };
     let silence = app.limits.ping_every * MAX_SILENT_PROBES;
     loop {
@@ -58,7 +65,7 @@ pub(super) async fn run(app: &Arc<App>, session: &Arc<Session>, stream: &mut Str
                 Ok(received) => reader.receive(received).await,
                 Err(_elapsed) => Err(Farewell::SILENT),
             },
-            built = built(&mut reader.opening) => reader.opened(built),
+            built = built(&mut reader.opening) => reader.opened(built).await,
             navigation = reader.steering.known() => {
                 reader.push(ServerMessage::Navigation(navigation))
             }
@@ -86,32 +93,69 @@ impl Reader<'_> {
         received: Option<Result<Message, axum::Error>>,
     ) -> Result<(), Farewell> {
         match received {
-            Some(Ok(Message::Text(text))) => match ClientMessage::from_json(&text) {
-                Ok(message) => {
-                    self.malformed = 0;
-                    self.handle(message).await
-                }
-                Err(refused) => self.malformed(ErrorMessage {
-                    path: refused.path().map(str::to_owned),
-                    ..error(ErrorCode::Malformed, refused.to_string(), None)
-                }),
-            },
+            Some(Ok(Message::Text(text))) if text.len() <= SHORT => {
+                let parsed = ClientMessage::from_json(&text);
+                self.parsed(parsed, Instant::now()).await
+            }
+            Some(Ok(Message::Text(text))) => self.long(text).await,
             Some(Ok(Message::Binary(_))) => {
                 let message = "binary messages are not read; send JSON text";
                 self.malformed(error(ErrorCode::Malformed, message, None))
             }
             // The library answers pings itself.
             Some(Ok(Message::Ping(_) | Message::Pong(_))) => Ok(()),
-            Some(Ok(Message::Close(_))) | None => Err(Farewell::CLIENT_LEFT),
-            Some(Err(broken)) => {
-                tracing::debug!(session = self.session.id, %broken, "the connection broke");
-                Err(Farewell::TOO_LONG)
+            Some(Ok(Message::Close(_))) => Err(Farewell::CLIENT_LEFT),
+            None => Err(Farewell::ABORTED),
+            Some(Err(error)) => {
+                tracing::debug!(session = self.session.id, %error, "the connection broke");
+                Err(broken(error))
             }
         }
     }
 
-    async fn handle(&mut self, message: ClientMessage) -> Result<(), Farewell> {
-        let now = Instant::now();
+    /// Takes a long message: it is parsed, and what it asks for is done, on a blocking thread, and only one
+    /// at a time on this server.
+    async fn long(&mut self, text: Utf8Bytes) -> Result<(), Farewell> {
+        tokio::time::sleep_until(self.edit_from.into()).await;
+        let app = Arc::clone(self.app);
+        let Ok(_permit) = app.editing.acquire().await else {
+            return Err(Farewell::GOING_DOWN);
+        };
+        let start = Instant::now();
+        let parsed = spawn_blocking(move || ClientMessage::from_json(&text)).await;
+        let Ok(parsed) = parsed else {
+            return self.refuse(error(ErrorCode::Internal, "the message broke off", None));
+        };
+        let outcome = self.parsed(parsed, start).await;
+        self.rest_after(start);
+        outcome
+    }
+
+    async fn parsed(
+        &mut self,
+        parsed: Result<ClientMessage, SceneError>,
+        now: Instant,
+    ) -> Result<(), Farewell> {
+        match parsed {
+            Ok(message) => {
+                self.malformed = 0;
+                self.handle(message, now).await
+            }
+            Err(refused) => self.malformed(ErrorMessage {
+                path: refused.path().map(str::to_owned),
+                ..error(ErrorCode::Malformed, refused.to_string(), None)
+            }),
+        }
+    }
+
+    /// Lets the next edit wait as long as the share of the session asks after work that began at `start`.
+    fn rest_after(&mut self, start: Instant) {
+        let share = self.app.limits.edit_percent.clamp(1, 100);
+        let rest = start.elapsed() * (100 - share) / share;
+        self.edit_from = Instant::now() + rest.min(LONGEST_REST);
+    }
+
+    async fn handle(&mut self, message: ClientMessage, now: Instant) -> Result<(), Farewell> {
         let session = self.session;
         match message {
             ClientMessage::Hello(_) => {
@@ -131,12 +175,14 @@ impl Reader<'_> {
             }
             ClientMessage::OpenPreset(request) => self.open(request),
             ClientMessage::Resize(resize) => {
-                match hello::check_size(&self.app.limits, resize.width, resize.height) {
-                    Ok(()) => session.resize(resize.input, resize.width, resize.height, now),
-                    Err(message) => {
-                        let input = Some(resize.input);
-                        self.refuse(error(ErrorCode::InvalidSize, message, input))?;
-                    }
+                let Resize {
+                    input,
+                    width,
+                    height,
+                } = resize;
+                let told = hello::resize(&self.app.limits, session, input, width, height);
+                if let Some(told) = told {
+                    self.push(told)?;
                 }
             }
             ClientMessage::Ack(ack) => {
@@ -162,10 +208,14 @@ impl Reader<'_> {
     }
 
     /// Changes the open scene on a blocking thread; what the client says next waits for it.
-    async fn edit(&self, request: EditRequest, now: Instant) -> Result<(), Farewell> {
+    async fn edit(&mut self, request: EditRequest, now: Instant) -> Result<(), Farewell> {
         let EditRequest { input, edit } = request;
         let session = Arc::clone(self.session);
-        match spawn_blocking(move || session.edit(input, &edit, now)).await {
+        tokio::time::sleep_until(self.edit_from.into()).await;
+        let start = Instant::now();
+        let edited = spawn_blocking(move || session.edit(input, &edit, now)).await;
+        self.rest_after(start);
+        match edited {
             Ok(outcome) => self.answer(outcome, input),
             Err(broken) => {
                 tracing::error!(session = self.session.id, %broken, "an edit broke off");
@@ -188,7 +238,7 @@ impl Reader<'_> {
     }
 
     /// Shows a preset that has been built.
-    fn opened(
+    async fn opened(
         &mut self,
         (input, built): (u64, Result<Arc<Loaded>, BuildError>),
     ) -> Result<(), Farewell> {
@@ -199,10 +249,13 @@ impl Reader<'_> {
         match built {
             Ok(loaded) => match self.session.open(input, &loaded, Instant::now()) {
                 Ok(()) => {
-                    let scene = Box::new(self.session.scene_message());
                     self.steering.scene_opened();
+                    let scene = hello::scene_message(self.session).await;
                     self.app.sessions.bell.ring();
-                    self.push(ServerMessage::Scene(scene))
+                    match scene {
+                        Some(scene) => self.push(ServerMessage::Scene(Box::new(scene))),
+                        None => Ok(()),
+                    }
                 }
                 Err(refusal) => self.answer(Err(refusal), input),
             },
@@ -211,6 +264,7 @@ impl Reader<'_> {
                     BuildError::NoSuchPreset { .. } => ErrorCode::NotFound,
                     BuildError::Scene(_) => ErrorCode::InvalidScene,
                     BuildError::NotRenderedYet(_) => ErrorCode::NotRenderedYet,
+                    BuildError::TookTooLong { .. } => ErrorCode::TookTooLong,
                     BuildError::BrokenOff => ErrorCode::Internal,
                 };
                 self.refuse(error(code, failed.to_string(), Some(input)))

@@ -15,9 +15,9 @@ use crate::session::Session;
 use crate::telemetry;
 
 /// Writes until the client leaves or stops reading.
-pub(super) async fn run(app: &App, session: &Session, sink: &mut Sink) -> Farewell {
+pub(super) async fn run(app: &App, session: &Session, number: u64, sink: &mut Sink) -> Farewell {
     loop {
-        let Some(outgoing) = session.outbox.take() else {
+        let Some(outgoing) = session.outbox.take(number) else {
             let filled = session.outbox.filled();
             if tokio::time::timeout(app.limits.ping_every, filled)
                 .await
@@ -50,8 +50,8 @@ pub(super) async fn run(app: &App, session: &Session, sink: &mut Sink) -> Farewe
 }
 
 /// Writes the messages that wait, and no frames.
-pub(super) async fn messages_only(session: &Session, sink: &mut Sink) {
-    while let Some(Outgoing::Message(message)) = session.outbox.take() {
+pub(super) async fn messages_only(session: &Session, number: u64, sink: &mut Sink) {
+    while let Some(Outgoing::Message(message)) = session.outbox.take(number) {
         if send(sink, &message).await.is_err() {
             return;
         }

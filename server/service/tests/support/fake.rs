@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use tyndall_render::{
-    FailedFrame, FinishedFrame, FrameStats, Prepared, RenderError, RenderOutcome,
+    FailedFrame, FinishedFrame, FrameStats, PlanLimits, Prepared, RenderError, RenderOutcome,
 };
 use tyndall_scene::{Scene, StopRule};
 use tyndall_service::ServeError;
@@ -35,6 +35,12 @@ pub struct Script {
     pub deadly_width: AtomicU32,
     /// Deadly frames are so only beside other frames.
     pub deadly_in_company: AtomicBool,
+    /// Frames of this width panic in the renderer; 0 for none. Unit: pixel.
+    pub panic_width: AtomicU32,
+    /// Frames of this width never come to an end: the call hangs; 0 for none. Unit: pixel.
+    pub stuck_width: AtomicU32,
+    /// Loop iterations after which the driver stops a shader; 0 for none.
+    pub loop_cap: AtomicU32,
     /// No frame finishes.
     pub held: AtomicBool,
     /// So many frames come back as errors.
@@ -177,6 +183,13 @@ impl Backend for Fake {
         }
     }
 
+    fn plan_limits(&self) -> PlanLimits {
+        PlanLimits {
+            loop_cap: Some(self.script.loop_cap.load(Ordering::SeqCst)).filter(|cap| *cap > 0),
+            ..PlanLimits::default()
+        }
+    }
+
     fn prepare(
         &mut self,
         scene: &Arc<Scene>,
@@ -232,6 +245,13 @@ impl Backend for Fake {
         self.call()?;
         if view.samples >= view.target() {
             return Ok(RenderOutcome::Converged);
+        }
+        let deadly = self.script.panic_width.load(Ordering::SeqCst);
+        assert_ne!(view.size.0, deadly, "the test wants the renderer to panic");
+        if view.size.0 == self.script.stuck_width.load(Ordering::SeqCst) {
+            loop {
+                std::thread::park();
+            }
         }
         let number = self.script.frames.fetch_add(1, Ordering::SeqCst);
         view.samples += 1;

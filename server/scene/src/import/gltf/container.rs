@@ -4,6 +4,7 @@ use gltf::json::Root;
 use gltf::json::extensions::texture::Info;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use tyndall_files::guarded;
 
 use super::file::File;
 use crate::error::{SceneError, abbreviate};
@@ -92,8 +93,10 @@ pub(super) fn read(file: &File, bytes: &[u8]) -> Result<Container, SceneError> {
 
 /// What the crate reads of the JSON, and what it leaves out.
 fn both(file: &File, json: &[u8], blob: Option<Vec<u8>>) -> Result<Container, SceneError> {
-    let root = parse(file, json)?;
-    let left_out: LeftOut = parse(file, json)?;
+    let parsed = guarded("glTF", || (parse(json), parse(json)));
+    let (root, left_out) = parsed.map_err(|failed| file.refused("JSON", failed.to_string()))?;
+    let root = root.map_err(|error| refused(file, &error))?;
+    let left_out: LeftOut = left_out.map_err(|error| refused(file, &error))?;
     let extensions = |material: LeftOutMaterial| material.normal_texture?.extensions;
     Ok(Container {
         root,
@@ -102,14 +105,18 @@ fn both(file: &File, json: &[u8], blob: Option<Vec<u8>>) -> Result<Container, Sc
     })
 }
 
-fn parse<T: DeserializeOwned>(file: &File, bytes: &[u8]) -> Result<T, SceneError> {
+type ParseError = serde_path_to_error::Error<serde_json::Error>;
+
+fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ParseError> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
-    serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
-        let path = error.path().to_string();
-        let location = if path == "." { "JSON".to_owned() } else { path };
-        let message = error.inner().to_string();
-        // The path says more than the line of a text that people rarely see.
-        let message = message.split(" at line ").next().unwrap_or(&message);
-        file.refused(location, abbreviate(message))
-    })
+    serde_path_to_error::deserialize(&mut deserializer)
+}
+
+fn refused(file: &File, error: &ParseError) -> SceneError {
+    let path = error.path().to_string();
+    let location = if path == "." { "JSON".to_owned() } else { path };
+    let message = error.inner().to_string();
+    // The path says more than the line of a text that people rarely see.
+    let message = message.split(" at line ").next().unwrap_or(&message);
+    file.refused(location, abbreviate(message))
 }

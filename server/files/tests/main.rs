@@ -1,0 +1,3 @@
+//! Files of strangers, as modules of one binary.
+
+mod mutations;

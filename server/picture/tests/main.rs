@@ -1,0 +1,3 @@
+//! Picture files, as modules of one binary.
+
+mod mutations;
