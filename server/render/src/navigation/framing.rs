@@ -1,11 +1,11 @@
 //! What is worth looking at: the box that "frame all" frames.
 //!
-//! Parts of surfaces, grids and spheres of media count; boxes of air count where there is nothing else. The largest
-//! thing is left out as a backdrop, again and again, while it dwarfs the rest and is flat (a ground plane),
-//! glows around the rest (a sky), or is larger by far.
+//! Parts of surfaces, grids and spheres of media count; boxes of air count where there is nothing else, and
+//! lights where there is not even that. The largest thing is left out as a backdrop, again and again, while it
+//! dwarfs the rest and is flat (a ground plane), glows around the rest (a sky), or is larger by far.
 
 use glam::DVec3;
-use tyndall_scene::{Aabb, MediumShape, Scene};
+use tyndall_scene::{Aabb, Light, MediumShape, Scene};
 
 use super::parts::{Part, Parts, union};
 
@@ -15,6 +15,9 @@ const DWARFS: f64 = 5.0;
 const DWARFS_BY_FAR: f64 = 50.0;
 /// Thickness of a flat thing, as a share of its diagonal.
 const FLAT: f64 = 0.02;
+
+/// How far around a light in nothing but fog is worth looking at. Unit: m.
+const LIT: f64 = 1.0;
 
 /// What is framed and what is left out.
 pub(super) struct Framing {
@@ -31,6 +34,9 @@ impl Framing {
         things.extend(scene.media.iter().filter_map(|medium| solid(&medium.shape)));
         if things.is_empty() {
             things.extend(scene.media.iter().filter_map(|medium| air(&medium.shape)));
+        }
+        if things.is_empty() {
+            things.extend(scene.lights.iter().filter_map(lamp));
         }
         let camera = &scene.camera;
         let alone = Aabb {
@@ -78,6 +84,19 @@ fn solid(shape: &MediumShape) -> Option<Part> {
 /// The box that fog is confined to.
 fn air(shape: &MediumShape) -> Option<Part> {
     let bounds = super::media::bounds(shape)?;
+    Some(Part {
+        bounds,
+        glows: false,
+    })
+}
+
+/// The surroundings of a light with a position: what fog that fills space shows.
+fn lamp(light: &Light) -> Option<Part> {
+    let position = light.position()?;
+    let bounds = Aabb {
+        min: position - LIT,
+        max: position + LIT,
+    };
     Some(Part {
         bounds,
         glows: false,

@@ -34,7 +34,7 @@ pub struct Guide {
 }
 
 impl Guide {
-    /// Builds the BVH; `declared` is what the scene says about steering. Takes 3 µs a triangle, so it
+    /// Builds the BVH; `declared` is what the scene says about steering. Takes a few µs a triangle, so it
     /// belongs on a thread that may be busy.
     ///
     /// # Errors

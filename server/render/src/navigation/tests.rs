@@ -158,6 +158,11 @@ fn things_seen_from_outside_and_media_alone_are_orbited() {
     );
     let room_from_outside = scene([0.0, 1.6, 12.0], [0.0, 1.5, 0.0], &room(), &json!([]));
     assert_eq!(guide_of(&room_from_outside).facts().mode, Navigation::Orbit);
+    // Fog that fills space, around a light at (0, 2, 0).
+    let fog = json!([{"kind": "homogeneous", "sigma_t": 0.01, "albedo": 0.5}]);
+    let guide = guide_of(&scene([0.0, 2.0, 5.0], [0.0, 2.0, 4.0], &json!([]), &fog));
+    assert_eq!(guide.facts().bounds.min, DVec3::new(-1.0, 1.0, -1.0));
+    assert_eq!(guide.facts().pivot, DVec3::new(0.0, 2.0, 0.0));
     let smoke = json!([{"kind": "sphere", "center": [3, 0, 0], "radius": 1, "sigma_t": 2, "albedo": 0.5},
         {"kind": "homogeneous", "sigma_t": 0.01, "albedo": 0.5}]);
     let guide = guide_of(&scene([3.0, 0.0, 6.0], [3.0, 0.0, 5.0], &json!([]), &smoke));
