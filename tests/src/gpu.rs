@@ -33,6 +33,10 @@ pub fn loaded(json: &serde_json::Value) -> Loaded {
     // Tests are about a technique's own picture unless they say otherwise.
     let correction = &mut description.render.correction;
     correction.get_or_insert(CorrectionMode::Off);
+    let march = &mut description.render.single_scattering;
+    if march.interleave == 0 {
+        march.interleave = 1;
+    }
     tyndall_scene::build(description, None).expect("the test's scene is valid")
 }
 

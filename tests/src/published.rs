@@ -26,6 +26,7 @@ pub fn find(name: &str, kind: &str) -> Option<Published> {
         .expect("a published scene is valid")
         .scene;
     scene.render.correction = CorrectionMode::Off;
+    scene.render.single_scattering.interleave = 1;
     let file = folder.join(format!("data/ref_{name}_{kind}.npz"));
     let image = tyndall_picture::read(&file)
         .expect("a published image")

@@ -2,7 +2,7 @@
 
 import { fitFieldOfView } from './camera/frame';
 import { CameraRig } from './camera/rig';
-import { Chrome, isSoftware } from './chrome';
+import { Chrome } from './chrome';
 import { Connection } from './connection';
 import { DarknessWatch } from './darkness';
 import type { DebugState } from './debug';
@@ -210,7 +210,6 @@ export class Application {
       device: this.device,
       scale: this.resolution,
       // Until the server has said what it is, as if it were slow: growing later costs nothing.
-      software: this.welcome === null || isSoftware(this.welcome.adapter.kind),
       maxPixels: this.welcome?.limits.max_pixels ?? Number.POSITIVE_INFINITY,
       maxSide: this.welcome?.limits.max_side ?? 8192,
     });

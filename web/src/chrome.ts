@@ -127,7 +127,3 @@ export class Chrome {
     else if (event.code === 'KeyM') this.events.onNextMode();
   }
 }
-
-export function isSoftware(kind: string): boolean {
-  return kind.toLowerCase() === 'software';
-}

@@ -1259,7 +1259,8 @@ steps: number,
 jitter: boolean, 
 /**
  * Side of the tile of pixels that share the strata of one ray: 1, 2, 4 or 8. Above 1, each pixel
- * takes its share of them and gathers the rest from its neighbours.
+ * takes its share of them and gathers the rest from its neighbours. 0 is what is faster on the device: 4
+ * on a software driver, which errs by less than 1 % more, 1 on a GPU.
  */
 interleave: number, 
 /**

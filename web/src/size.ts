@@ -2,11 +2,9 @@
 
 import type { Size } from './outbox';
 
-/** 'auto' asks for what stays steerable: of a GPU up to full HD, of a software renderer less. */
+/** 'auto' asks for every device pixel up to full HD. While the picture moves the server renders fewer. */
 export type ResolutionScale = 'auto' | number;
 
-/** What a software renderer on a few cores still turns into a steerable picture. Unit: pixel. */
-const SOFTWARE_PIXELS = 150_000;
 /** Beyond full HD, coding a JPEG takes longer than rendering it. Unit: pixel. */
 const AUTO_PIXELS = 2_100_000;
 
@@ -14,16 +12,15 @@ export interface SizeRequest {
   /** Device pixels the canvas covers. */
   device: Size;
   scale: ResolutionScale;
-  software: boolean;
   /** The server's limits. Unit: pixel. */
   maxPixels: number;
   maxSide: number;
 }
 
 /** Keeps the aspect ratio; at least 16 pixels a side, so that a collapsed window is harmless. */
-export function pictureSize({ device, scale, software, maxPixels, maxSide }: SizeRequest): Size {
+export function pictureSize({ device, scale, maxPixels, maxSide }: SizeRequest): Size {
   const wanted = scale === 'auto' ? 1 : scale;
-  const cap = scale === 'auto' ? (software ? SOFTWARE_PIXELS : AUTO_PIXELS) : maxPixels;
+  const cap = scale === 'auto' ? AUTO_PIXELS : maxPixels;
   const pixels = device.width * device.height * wanted * wanted;
   const area = Math.sqrt(Math.min(cap, maxPixels) / pixels);
   const side = maxSide / (wanted * Math.max(device.width, device.height));

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use tyndall_scene::Scene;
 
 use crate::engine::{
-    AdapterSummary, Device, MemoryBudget, Pipelines, Pool, Recorded, Recording, SelfTest, wait,
+    AdapterKind, AdapterSummary, Device, MemoryBudget, Pipelines, Pool, Recorded, Recording,
+    SelfTest, wait,
 };
 use crate::error::RenderError;
 use crate::frame::{self, PlanLimits};
@@ -108,6 +109,7 @@ impl Renderer {
             beyond_correction: false,
             unskipped: self.unskipped,
             in_parts: self.in_parts,
+            software: self.adapter().kind != AdapterKind::Gpu,
         }
     }
 

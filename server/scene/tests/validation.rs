@@ -299,7 +299,7 @@ fn render_rules() {
         render.samples | 0 | = | 0 | 1 to 65536
         render.time_seconds | 1 | = | time_seconds together with samples | at most one
         render.seed | 9007199254740992 | = | 9007199254740992 | 0 to 9007
-        render.single_scattering | {"interleave": 3} | render.single_scattering.interleave | 3 | 1, 2, 4 or 8
+        render.single_scattering | {"interleave": 3} | render.single_scattering.interleave | 3 | 0, 1, 2, 4 or 8
         render.single_scattering | {"steps": 5000} | render.single_scattering.steps | 5000 | 1 to 4096
         render.shadows | {"resolution": 8} | render.shadows.resolution | 8 | 16 to 8192
         render.shadows | {"mode": "soft"} | render.shadows.mode | soft | traced

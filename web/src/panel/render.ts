@@ -77,6 +77,7 @@ export function addQuality(
     },
   );
   addSelect(folder, interleave, 'Interleaved', [
+    { value: 0, label: 'by the device' },
     { value: 1, label: 'no' },
     { value: 2, label: '2 × 2' },
     { value: 4, label: '4 × 4' },

@@ -12,6 +12,8 @@ pub struct PlanLimits {
     /// Every light is marched along every ray, and every ray takes all strata: to measure what leaving
     /// some out saves.
     pub unskipped: bool,
+    /// Whether a processor renders, without a GPU.
+    pub software: bool,
     /// Whether long frames are submitted in parts.
     pub in_parts: bool,
 }

@@ -93,7 +93,8 @@ pub struct SingleScatteringSettings {
     /// Random position inside each stratum; otherwise its midpoint.
     pub jitter: bool,
     /// Side of the tile of pixels that share the strata of one ray: 1, 2, 4 or 8. Above 1, each pixel
-    /// takes its share of them and gathers the rest from its neighbours.
+    /// takes its share of them and gathers the rest from its neighbours. 0 is what is faster on the device: 4
+    /// on a software driver, which errs by less than 1 % more, 1 on a GPU.
     pub interleave: u32,
     /// March one of every 2×2 pixels and interpolate between those that end at a pixel's distance; what
     /// has none, or lies at an edge of a shaft, is marched itself. Every sample takes another of the four.
@@ -108,7 +109,7 @@ impl Default for SingleScatteringSettings {
         Self {
             steps: 32,
             jitter: true,
-            interleave: 1,
+            interleave: 0,
             half_resolution: false,
             equiangular: false,
         }

@@ -57,11 +57,11 @@ pub(super) fn check(render: &RenderDescription, path: &JsonPath) -> Result<(), S
         4096,
     )?;
     let side = render.single_scattering.interleave;
-    if !matches!(side, 1 | 2 | 4 | 8) {
+    if !matches!(side, 0 | 1 | 2 | 4 | 8) {
         return Err(SceneError::invalid(
             path.field("single_scattering").field("interleave"),
             side.to_string(),
-            "1, 2, 4 or 8",
+            "0, 1, 2, 4 or 8",
         ));
     }
     let resolution = render.shadows.resolution;

@@ -10,10 +10,12 @@ use tyndall_render::FinishedFrame;
 
 /// A picture counts as moving until this long after its last change.
 const SETTLE_AFTER: Duration = Duration::from_millis(200);
-/// Part of the budget for everything but traced samples; what is left is for encoding and sending.
+/// Most of the budget for everything but traced samples.
 const SHADING: f64 = 0.65;
-/// Part of the budget for traced samples.
+/// Least of the budget for traced samples: they also get what the rest does not need.
 const TRACING: f64 = 0.2;
+/// Part of the budget for both; what is left is for encoding and sending.
+const RENDERING: f64 = 0.85;
 /// Sides of moving pictures are multiples of this part of the full ones.
 const STEPS: u32 = 16;
 /// Fewest steps of a side.
@@ -118,9 +120,21 @@ impl Effort {
         most.unwrap_or(FEWEST_STEPS)
     }
 
-    /// Longest time of traced samples in the next frame; `None` where nothing is waiting for it.
-    pub(super) fn tracing(&self) -> Option<Duration> {
-        (self.stage == Stage::Moving).then(|| self.budget.mul_f64(TRACING))
+    /// Longest time of traced samples in the next frame of a picture of size `full`; `None` where nothing
+    /// is waiting for it.
+    pub(super) fn tracing(&self, full: (u32, u32)) -> Option<Duration> {
+        if !self.is_moving() {
+            return None;
+        }
+        let (width, height) = self.size(full);
+        let shading = f64::from(width) * f64::from(height) * self.per_pixel;
+        let left = RENDERING - shading / self.budget.as_secs_f64().max(1e-6);
+        Some(self.budget.mul_f64(left.clamp(TRACING, RENDERING)))
+    }
+
+    /// Whether the next frame is of a moving picture.
+    pub(super) fn is_moving(&self) -> bool {
+        self.stage == Stage::Moving
     }
 
     /// Learns what a frame took, and that it was shown.
@@ -154,4 +168,94 @@ impl Effort {
 fn scaled((width, height): (u32, u32), steps: u32) -> (u32, u32) {
     let side = |side: u32| (side * steps).div_ceil(STEPS).max(1);
     (side(width), side(height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FULL: (u32, u32) = (1280, 720);
+    const BUDGET: Duration = Duration::from_millis(100);
+
+    /// A frame of one sample that took so long for each pixel. Unit: µs.
+    fn frame((width, height): (u32, u32), micros: f64) -> FinishedFrame {
+        FinishedFrame {
+            tag: 0,
+            width,
+            height,
+            rgba: Vec::new(),
+            samples: 0,
+            converged: false,
+            epoch: 0,
+            stats: tyndall_render::FrameStats::default(),
+            pass_times: Vec::new(),
+            render_micros: (f64::from(width) * f64::from(height) * micros) as u32,
+            units: 0,
+            shadow_layers: 0,
+        }
+    }
+
+    fn pixels((width, height): (u32, u32)) -> f64 {
+        f64::from(width) * f64::from(height)
+    }
+
+    #[test]
+    fn moving_pictures_keep_to_the_budget_and_follow_what_pixels_take() {
+        let mut effort = Effort::new(BUDGET, 1.5e-6);
+        for micros in [1.5, 0.2, 6.0, 0.01, 1.0] {
+            for _ in 0..8 {
+                effort.change(Instant::now());
+                let size = effort.size(FULL);
+                effort.measured(&frame(size, micros), FULL);
+            }
+            let size = effort.size(FULL);
+            let seconds = pixels(size) * micros * 1e-6;
+            let smallest = size == scaled(FULL, FEWEST_STEPS);
+            assert!(smallest || seconds <= SHADING * 0.1, "{micros}: {size:?}");
+            // The next larger size has 2.25 times the pixels at most, and must leave some room.
+            assert!(
+                size == FULL || seconds > 0.2 * SHADING * 0.1,
+                "{micros}: {size:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn one_slow_frame_halves_a_picture_at_most() {
+        let mut effort = Effort::new(BUDGET, 1e-7);
+        effort.change(Instant::now());
+        let before = pixels(effort.size(FULL));
+        effort.measured(&frame(effort.size(FULL), 1000.0), FULL);
+        assert!(pixels(effort.size(FULL)) >= 0.35 * before);
+    }
+
+    #[test]
+    fn a_picture_at_rest_climbs_in_two_steps() {
+        let mut effort = Effort::new(BUDGET, 5e-6);
+        let start = Instant::now();
+        effort.change(start);
+        let moving = effort.size(FULL);
+        effort.climb(start + SETTLE_AFTER / 2);
+        assert_eq!(effort.size(FULL), moving, "not yet");
+        effort.climb(start + SETTLE_AFTER);
+        let between = effort.size(FULL);
+        assert!(pixels(between) > 3.0 * pixels(moving) && between != FULL);
+        assert_eq!(effort.tracing(FULL), None, "as long as the device allows");
+        effort.measured(&frame(between, 5.0), FULL);
+        assert_eq!(effort.size(FULL), FULL);
+        effort.change(start + 2 * SETTLE_AFTER);
+        assert_eq!(effort.size(FULL), moving);
+    }
+
+    #[test]
+    fn traced_samples_get_what_shading_leaves() {
+        let cheap = Effort::new(BUDGET, 1e-12);
+        assert!(
+            cheap
+                .tracing(FULL)
+                .is_some_and(|time| time > BUDGET / 5 * 4)
+        );
+        let dear = Effort::new(BUDGET, 1e-3);
+        assert_eq!(dear.tracing(FULL), Some(BUDGET.mul_f64(TRACING)));
+    }
 }

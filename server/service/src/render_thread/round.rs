@@ -249,7 +249,7 @@ impl<B: Backend> RenderThread<B> {
                     frame_id,
                     wish,
                     began: now,
-                    moving: seat.effort.tracing().is_some(),
+                    moving: seat.effort.is_moving(),
                 });
                 Ok(true)
             }

@@ -42,7 +42,7 @@ pub(super) fn show<B: Backend>(
     let full = seat.full_size(wish);
     if let Some(picture) = &mut seat.picture {
         picture.full = full;
-        backend.trace_within(&mut picture.view, seat.effort.tracing());
+        backend.trace_within(&mut picture.view, seat.effort.tracing(full));
     }
     if full != (wish.width, wish.height) && before != Some(full) {
         tell_smaller(seat, wish, full);

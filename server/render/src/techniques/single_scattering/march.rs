@@ -36,6 +36,13 @@ const LEAST_CULLED: usize = 16;
 /// Nor are fewer strata of a pixel: with eight it took 0.7 to 1.1 times as long.
 const LEAST_CULLED_STRATA: u32 = 16;
 
+/// Side of the tile of pixels that share strata on a software driver, if nothing is said: in the hall at 128
+/// strata that takes a fifth of the time and errs by 0.9 %. On an H100 the march of a pixel waits for
+/// nothing, and gathering takes longer than it saves.
+const SHARED_BY: u32 = 4;
+/// Fewer strata are not shared if nothing is said: a pixel would have less than one.
+const LEAST_SHARED: u32 = SHARED_BY * SHARED_BY;
+
 /// Nodes of the Gauss rule.
 const NODES: u32 = 32;
 
@@ -48,7 +55,10 @@ impl March {
         let unshadowed = input.visibility() == ShadowMode::Off;
         // A cone has edges, a narrow lobe a peak, a grid anything: no rule of few nodes sees them.
         let smooth = !facts.heterogeneous && facts.spot_lights == 0 && facts.max_abs_g <= 0.5;
-        let interleave = wanted.interleave.max(1);
+        let interleave = match wanted.interleave {
+            0 if limits.software && wanted.steps >= LEAST_SHARED => SHARED_BY,
+            chosen => chosen.max(1),
+        };
         let culls = input.lights() >= LEAST_CULLED
             && wanted.steps >= LEAST_CULLED_STRATA * interleave * interleave
             && facts.grids == 0
