@@ -15,6 +15,9 @@ use tyndall_stream::protocol;
 
 use crate::options::ServeError;
 
+/// Of the frame that nobody sees. Unit: pixel.
+const WARM_UP_SIZE: (u32, u32) = (64, 36);
+
 /// A renderer that lives on one thread.
 pub trait Backend {
     /// A session's picture.
@@ -50,6 +53,9 @@ pub trait Backend {
     ) -> Result<(), RenderError>;
     /// Starts one frame, which [`Backend::take_finished`] gives back under `tag`.
     fn render(&mut self, view: &mut Self::View, tag: u64) -> Result<RenderOutcome, RenderError>;
+    /// Renders a frame of `scene` that nobody sees, so that the first one to be seen need not wait for
+    /// shaders.
+    fn warm_up(&mut self, scene: &Arc<Scene>) -> Result<(), RenderError>;
     /// Goes on with a frame of this view that is submitted in parts, once the device is done with the last
     /// one.
     fn go_on(&mut self, view: &mut Self::View) -> Result<(), RenderError>;
@@ -139,6 +145,13 @@ impl Backend for Wgpu {
 
     fn render(&mut self, view: &mut View, tag: u64) -> Result<RenderOutcome, RenderError> {
         self.renderer.render(view, tag)
+    }
+
+    fn warm_up(&mut self, scene: &Arc<Scene>) -> Result<(), RenderError> {
+        let (width, height) = WARM_UP_SIZE;
+        let mut view = self.renderer.create_view(Arc::clone(scene), width, height)?;
+        self.renderer.render(&mut view, 0)?;
+        self.renderer.wait()
     }
 
     fn go_on(&mut self, view: &mut View) -> Result<(), RenderError> {

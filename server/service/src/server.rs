@@ -91,6 +91,7 @@ pub async fn serve_on<B: Backend + 'static>(
         Arc::clone(&readiness),
         shutdown.clone(),
         limits.frame_budget,
+        Arc::new(options.scene.scene.clone()),
     )
     .await?;
     tracing::info!(adapter = adapter.name, driver = adapter.driver, kind = ?adapter.kind, "rendering");

@@ -1,5 +1,7 @@
 //! Separable filters over planes whose edge pixels repeat outside.
 
+use rayon::prelude::*;
+
 /// A row of weights; the middle one belongs to the pixel itself.
 pub(super) type Kernel = Vec<f32>;
 
@@ -18,19 +20,22 @@ pub(super) fn separable(
 ) -> Vec<f32> {
     let radius = horizontal.len() / 2;
     let mut rows = vec![0.0; plane.len()];
-    let mut padded = vec![0.0; width + 2 * radius];
-    for (row, out) in plane.chunks_exact(width).zip(rows.chunks_exact_mut(width)) {
-        padded[..radius].fill(row[0]);
-        padded[radius..radius + width].copy_from_slice(row);
-        padded[radius + width..].fill(row[width - 1]);
-        for (x, value) in out.iter_mut().enumerate() {
-            let taps = padded[x..].iter().zip(horizontal);
-            *value = taps.map(|(a, w)| a * w).sum();
-        }
-    }
+    let lines = plane.par_chunks_exact(width).zip(rows.par_chunks_exact_mut(width));
+    lines.for_each_init(
+        || vec![0.0; width + 2 * radius],
+        |padded, (row, out)| {
+            padded[..radius].fill(row[0]);
+            padded[radius..radius + width].copy_from_slice(row);
+            padded[radius + width..].fill(row[width - 1]);
+            for (x, value) in out.iter_mut().enumerate() {
+                let taps = padded[x..].iter().zip(horizontal);
+                *value = taps.map(|(a, w)| a * w).sum();
+            }
+        },
+    );
     let radius = (vertical.len() / 2) as isize;
     let mut result = vec![0.0; plane.len()];
-    for (y, out) in result.chunks_exact_mut(width).enumerate() {
+    result.par_chunks_exact_mut(width).enumerate().for_each(|(y, out)| {
         for (i, weight) in vertical.iter().enumerate() {
             let from = (y as isize + i as isize - radius).clamp(0, height as isize - 1) as usize;
             let row = &rows[from * width..(from + 1) * width];
@@ -38,7 +43,7 @@ pub(super) fn separable(
                 *value += weight * source;
             }
         }
-    }
+    });
     result
 }
 

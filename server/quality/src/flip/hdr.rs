@@ -1,5 +1,7 @@
 //! HDR-FLIP: the largest LDR-FLIP over all exposures at which the reference shows anything.
 
+use rayon::prelude::*;
+
 use super::{FlipMap, check_density, errors};
 use crate::image::check_pair;
 use crate::{Image, QualityError};
@@ -48,8 +50,7 @@ pub fn hdr_flip(
     let size = (image.width() as usize, image.height() as usize);
     let (start, stop) = exposure_range(reference.rgb());
     let exposures = ((stop - start).ceil().max(2.0) as u32).min(MAX_EXPOSURES);
-    let mut largest = vec![0.0_f32; image.rgb().len()];
-    for i in 0..exposures {
+    let at_exposure = |i: u32| {
         let exposure = start + (stop - start) * i as f32 / (exposures - 1) as f32;
         let shown = |picture: &Image| -> Vec<[f32; 3]> {
             let pixels = picture.rgb().iter();
@@ -57,11 +58,19 @@ pub fn hdr_flip(
                 .map(|rgb| rgb.map(|value| curve(value.max(0.0) * exposure.exp2())))
                 .collect()
         };
-        let errors = errors(&shown(image), &shown(reference), size, pixels_per_degree);
-        for (largest, error) in largest.iter_mut().zip(errors) {
-            *largest = largest.max(error);
-        }
-    }
+        errors(&shown(image), &shown(reference), size, pixels_per_degree)
+    };
+    // The largest of several is the same in any order.
+    let largest = (0..exposures)
+        .into_par_iter()
+        .map(at_exposure)
+        .reduce_with(|mut largest, errors| {
+            for (largest, error) in largest.iter_mut().zip(errors) {
+                *largest = largest.max(error);
+            }
+            largest
+        })
+        .unwrap_or_default();
     Ok(HdrFlip {
         map: FlipMap {
             width: image.width(),

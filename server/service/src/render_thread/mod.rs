@@ -27,6 +27,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use tokio_util::sync::CancellationToken;
+use tyndall_scene::Scene;
 use tyndall_stream::protocol::{Adapter, AdapterKind};
 
 use self::round::RenderThread;
@@ -37,7 +38,7 @@ use crate::sessions::Sessions;
 
 pub(crate) use self::readiness::{Place, Readiness};
 
-/// Starts the thread and waits until its device is open.
+/// Starts the thread and waits until its device is open. `first` is the scene that pages open first.
 pub(crate) async fn start<B: Backend + 'static>(
     mut open: OpenBackend<B>,
     sessions: Arc<Sessions>,
@@ -45,6 +46,7 @@ pub(crate) async fn start<B: Backend + 'static>(
     readiness: Arc<Readiness>,
     shutdown: CancellationToken,
     frame_budget: Option<Duration>,
+    first: Arc<Scene>,
 ) -> Result<(JoinHandle<()>, Adapter), ServeError> {
     let fault = |reason: String| ServeError::Thread {
         name: "render",
@@ -56,7 +58,7 @@ pub(crate) async fn start<B: Backend + 'static>(
         .spawn(move || {
             // Whatever ends this thread ends the service: without it there is nothing to serve.
             let _ends_service = shutdown.clone().drop_guard();
-            let backend = match open() {
+            let mut backend = match open() {
                 Ok(backend) => backend,
                 Err(error) => {
                     // The starter only goes away together with the process.
@@ -68,6 +70,9 @@ pub(crate) async fn start<B: Backend + 'static>(
             readiness.opened(backend.plan_limits());
             let software = adapter.kind == AdapterKind::Software;
             if tell.send(Ok(adapter)).is_ok() {
+                if let Err(error) = backend.warm_up(&first) {
+                    tracing::warn!(%error, "no frame of the first scene could be rendered");
+                }
                 RenderThread {
                     backend: Some(backend),
                     open,

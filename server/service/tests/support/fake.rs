@@ -303,6 +303,10 @@ impl Backend for Fake {
         Ok(RenderOutcome::Submitted)
     }
 
+    fn warm_up(&mut self, _scene: &Arc<Scene>) -> Result<(), RenderError> {
+        Ok(())
+    }
+
     fn go_on(&mut self, _view: &mut FakeView) -> Result<(), RenderError> {
         Ok(())
     }
