@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 
 use tyndall_tests::conventions::source::{self, Source};
-use tyndall_tests::conventions::{Finding, layout, text};
+use tyndall_tests::conventions::{Finding, assert_none, layout, text};
 
 fn repository() -> Vec<Source> {
     let sources = source::sources(&source::root()).expect("the repository is readable");
@@ -22,16 +22,6 @@ fn named<'a>(sources: &'a [Source], path: &str) -> &'a Source {
         .iter()
         .find(|source| source.path == path)
         .unwrap_or_else(|| panic!("{path} is missing"))
-}
-
-fn assert_none(findings: &[Finding]) {
-    let list: Vec<String> = findings.iter().map(ToString::to_string).collect();
-    assert!(
-        list.is_empty(),
-        "{} findings:\n{}",
-        list.len(),
-        list.join("\n")
-    );
 }
 
 fn assert_everywhere(check: fn(&Source) -> Vec<Finding>) {

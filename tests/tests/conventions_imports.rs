@@ -1,17 +1,7 @@
 //! Holds imports to one direction. Tier *none*: needs no device.
 
 use tyndall_tests::conventions::source::{self, Source};
-use tyndall_tests::conventions::{Finding, imports};
-
-fn assert_none(findings: &[Finding]) {
-    let list: Vec<String> = findings.iter().map(ToString::to_string).collect();
-    assert!(
-        list.is_empty(),
-        "{} findings:\n{}",
-        list.len(),
-        list.join("\n")
-    );
-}
+use tyndall_tests::conventions::{assert_none, imports, layers};
 
 /// Crates in which imports have one direction.
 const ONE_DIRECTION: [&str; 3] = [
@@ -26,6 +16,45 @@ fn every_import_has_one_direction() {
     for root in ONE_DIRECTION {
         assert_none(&imports::circles_of_files(&sources, root));
         assert_none(&imports::circles_of_folders(&sources, root));
+    }
+}
+
+#[test]
+fn every_stage_knows_no_technique() {
+    let sources = source::sources(&source::root()).expect("the repository is readable");
+    for source in &sources {
+        assert_none(&layers::mentions_techniques(source));
+    }
+}
+
+#[test]
+fn plants_stages_that_import_a_technique() {
+    for (path, code, findings) in [
+        (
+            "server/render/src/stages/film.rs",
+            "use crate::techniques::reference;",
+            1,
+        ),
+        (
+            "server/render/src/engine/pool.rs",
+            "fn f() { crate::techniques::of(0); }",
+            1,
+        ),
+        (
+            "shaders/wesl/stages/film.wesl",
+            "import package::techniques::a::b;",
+            1,
+        ),
+        (
+            "server/render/src/stages/film.rs",
+            "// crate::techniques::reference",
+            0,
+        ),
+        ("server/render/src/plan.rs", "use crate::techniques;", 0),
+    ] {
+        let source = Source::new(path, code);
+        let found = layers::mentions_techniques(&source);
+        assert_eq!(found.len(), findings, "{path}: {code}");
     }
 }
 

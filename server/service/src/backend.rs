@@ -149,7 +149,9 @@ impl Backend for Wgpu {
 
     fn warm_up(&mut self, scene: &Arc<Scene>) -> Result<(), RenderError> {
         let (width, height) = WARM_UP_SIZE;
-        let mut view = self.renderer.create_view(Arc::clone(scene), width, height)?;
+        let mut view = self
+            .renderer
+            .create_view(Arc::clone(scene), width, height)?;
         self.renderer.render(&mut view, 0)?;
         self.renderer.wait()
     }

@@ -64,7 +64,9 @@ async fn a_small_picture_does_not_wait_for_the_whole_of_anothers_long_frame() {
     let mut waits = Vec::new();
     for input in 1..=12 {
         let asked = Instant::now();
-        small.say(camera(input, f64::from(input as u32) * 0.02)).await;
+        small
+            .say(camera(input, f64::from(input as u32) * 0.02))
+            .await;
         small
             .frame_where(|frame| frame.applied_input == input)
             .await;

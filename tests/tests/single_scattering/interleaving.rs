@@ -43,6 +43,7 @@ fn against_full(name: &str, ways: &[(u32, bool)]) -> Vec<Shared> {
     (scene.render.width, scene.render.height) = (640, 360);
     scene.render.correction = CorrectionMode::Off;
     scene.render.single_scattering.steps = 128;
+    scene.render.single_scattering.interleave = 1;
     scene.render.shadows.mode = ShadowMode::Mapped;
     let mut renderer = gpu::renderer();
     let (full, full_millis) = shot(&mut renderer, &scene, FRAMES);

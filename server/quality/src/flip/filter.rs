@@ -20,7 +20,9 @@ pub(super) fn separable(
 ) -> Vec<f32> {
     let radius = horizontal.len() / 2;
     let mut rows = vec![0.0; plane.len()];
-    let lines = plane.par_chunks_exact(width).zip(rows.par_chunks_exact_mut(width));
+    let lines = plane
+        .par_chunks_exact(width)
+        .zip(rows.par_chunks_exact_mut(width));
     lines.for_each_init(
         || vec![0.0; width + 2 * radius],
         |padded, (row, out)| {
@@ -35,15 +37,19 @@ pub(super) fn separable(
     );
     let radius = (vertical.len() / 2) as isize;
     let mut result = vec![0.0; plane.len()];
-    result.par_chunks_exact_mut(width).enumerate().for_each(|(y, out)| {
-        for (i, weight) in vertical.iter().enumerate() {
-            let from = (y as isize + i as isize - radius).clamp(0, height as isize - 1) as usize;
-            let row = &rows[from * width..(from + 1) * width];
-            for (value, source) in out.iter_mut().zip(row) {
-                *value += weight * source;
+    result
+        .par_chunks_exact_mut(width)
+        .enumerate()
+        .for_each(|(y, out)| {
+            for (i, weight) in vertical.iter().enumerate() {
+                let from =
+                    (y as isize + i as isize - radius).clamp(0, height as isize - 1) as usize;
+                let row = &rows[from * width..(from + 1) * width];
+                for (value, source) in out.iter_mut().zip(row) {
+                    *value += weight * source;
+                }
             }
-        }
-    });
+        });
     result
 }
 

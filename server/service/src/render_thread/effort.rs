@@ -46,17 +46,20 @@ pub(super) struct Effort {
     budget: Duration,
     stage: Stage,
     changed: Option<Instant>,
-    /// Time a pixel takes without traced samples. Unit: s.
+    /// Time that a frame takes without traced samples, whatever its size, and what a pixel adds. Unit: s.
+    fixed: f64,
     per_pixel: f64,
     /// Sixteenths of the full sides of the last moving picture.
     steps: u32,
 }
 
 impl Effort {
-    /// Of a picture that was not shown yet; `per_pixel` is a guess in seconds.
-    pub(super) fn new(budget: Duration, per_pixel: f64) -> Self {
+    /// Of a picture that was not shown yet. `fixed` is what the dispatches of a frame take by themselves,
+    /// `per_pixel` a guess. Unit: s.
+    pub(super) fn new(budget: Duration, fixed: f64, per_pixel: f64) -> Self {
         Self {
             budget,
+            fixed,
             stage: Stage::Moving,
             changed: None,
             per_pixel,
@@ -102,11 +105,13 @@ impl Effort {
         scaled(full, steps)
     }
 
+    /// Time of a frame of this size without traced samples. Unit: s.
+    fn shading(&self, (width, height): (u32, u32)) -> f64 {
+        self.fixed + f64::from(width) * f64::from(height) * self.per_pixel
+    }
+
     fn moving_steps(&self, full: (u32, u32)) -> u32 {
-        let takes = |steps: u32| {
-            let (width, height) = scaled(full, steps);
-            f64::from(width) * f64::from(height) * self.per_pixel
-        };
+        let takes = |steps: u32| self.shading(scaled(full, steps));
         let budget = SHADING * self.budget.as_secs_f64();
         let fits = |steps: &u32| {
             let room = if *steps > self.steps && self.steps > 0 {
@@ -126,8 +131,7 @@ impl Effort {
         if !self.is_moving() {
             return None;
         }
-        let (width, height) = self.size(full);
-        let shading = f64::from(width) * f64::from(height) * self.per_pixel;
+        let shading = self.shading(self.size(full));
         let left = RENDERING - shading / self.budget.as_secs_f64().max(1e-6);
         Some(self.budget.mul_f64(left.clamp(TRACING, RENDERING)))
     }
@@ -155,7 +159,7 @@ impl Effort {
         if pixels < 1.0 || self.stage != Stage::Moving || frame.samples > 1 {
             return;
         }
-        let found = micros * 1e-6 / pixels;
+        let found = (micros * 1e-6 - self.fixed) / pixels;
         let least = self.per_pixel / MOST_FALL;
         self.per_pixel = found.clamp(least, self.per_pixel * MOST_RISE).max(1e-12);
         self.steps = (1..=STEPS)
@@ -201,7 +205,7 @@ mod tests {
 
     #[test]
     fn moving_pictures_keep_to_the_budget_and_follow_what_pixels_take() {
-        let mut effort = Effort::new(BUDGET, 1.5e-6);
+        let mut effort = Effort::new(BUDGET, 0.0, 1.5e-6);
         for micros in [1.5, 0.2, 6.0, 0.01, 1.0] {
             for _ in 0..8 {
                 effort.change(Instant::now());
@@ -222,7 +226,7 @@ mod tests {
 
     #[test]
     fn one_slow_frame_halves_a_picture_at_most() {
-        let mut effort = Effort::new(BUDGET, 1e-7);
+        let mut effort = Effort::new(BUDGET, 0.0, 1e-7);
         effort.change(Instant::now());
         let before = pixels(effort.size(FULL));
         effort.measured(&frame(effort.size(FULL), 1000.0), FULL);
@@ -231,7 +235,7 @@ mod tests {
 
     #[test]
     fn a_picture_at_rest_climbs_in_two_steps() {
-        let mut effort = Effort::new(BUDGET, 5e-6);
+        let mut effort = Effort::new(BUDGET, 0.0, 5e-6);
         let start = Instant::now();
         effort.change(start);
         let moving = effort.size(FULL);
@@ -249,13 +253,13 @@ mod tests {
 
     #[test]
     fn traced_samples_get_what_shading_leaves() {
-        let cheap = Effort::new(BUDGET, 1e-12);
+        let cheap = Effort::new(BUDGET, 0.0, 1e-12);
         assert!(
             cheap
                 .tracing(FULL)
                 .is_some_and(|time| time > BUDGET / 5 * 4)
         );
-        let dear = Effort::new(BUDGET, 1e-3);
+        let dear = Effort::new(BUDGET, 0.0, 1e-3);
         assert_eq!(dear.tracing(FULL), Some(BUDGET.mul_f64(TRACING)));
     }
 }

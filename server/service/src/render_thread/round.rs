@@ -24,6 +24,9 @@ const POLL_EVERY: Duration = Duration::from_millis(1);
 /// What a frame of a moving picture takes.
 const GPU_BUDGET: Duration = Duration::from_millis(33);
 const SOFTWARE_BUDGET: Duration = Duration::from_millis(100);
+/// What the dispatches of a frame take by themselves. Unit: s.
+const GPU_FRAME: f64 = 5e-4;
+const SOFTWARE_FRAME: f64 = 0.02;
 /// What a pixel may take before any was measured. Unit: s.
 const GPU_PIXEL: f64 = 5e-9;
 const SOFTWARE_PIXEL: f64 = 1.5e-6;
@@ -118,12 +121,12 @@ impl<B: Backend> RenderThread<B> {
 
     /// What a picture may cost of which nothing is known yet.
     fn effort(&self) -> Effort {
-        let (budget, per_pixel) = if self.software {
-            (SOFTWARE_BUDGET, SOFTWARE_PIXEL)
+        let (budget, fixed, per_pixel) = if self.software {
+            (SOFTWARE_BUDGET, SOFTWARE_FRAME, SOFTWARE_PIXEL)
         } else {
-            (GPU_BUDGET, GPU_PIXEL)
+            (GPU_BUDGET, GPU_FRAME, GPU_PIXEL)
         };
-        Effort::new(self.frame_budget.unwrap_or(budget), per_pixel)
+        Effort::new(self.frame_budget.unwrap_or(budget), fixed, per_pixel)
     }
 
     /// Whether frames are on the device.
