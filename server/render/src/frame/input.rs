@@ -4,6 +4,10 @@ use tyndall_scene::{RenderSettings, SceneFacts, ShadowMode};
 
 /// What the device and the picture's size allow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "independent facts about a device and a picture"
+)]
 pub struct PlanLimits {
     /// The driver stops an invocation after so many loop iterations.
     pub loop_cap: Option<u32>,

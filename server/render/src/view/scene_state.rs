@@ -12,7 +12,7 @@ use crate::engine::{
     most_iterations,
 };
 use crate::error::RenderError;
-use crate::frame::{FramePlan, KeptKind, KeptStates, PlanLimits, Preparation, Traces};
+use crate::frame::{FramePlan, KeptKind, KeptStates, PlanLimits, PlannedPass, Preparation, Traces};
 use crate::gpu_scene::{GpuAssets, GpuPlacement, Inputs};
 use crate::plan::plan;
 use crate::stages::shadow_maps::{self, ShadowMaps};
@@ -164,7 +164,7 @@ fn check_work(
 /// Whether a frame may take longer than others should wait for the device, by upper bounds.
 fn is_long(device: &Device, plan: &FramePlan, [width, height]: [u32; 2]) -> bool {
     let pixels = u64::from(width) * u64::from(height);
-    let loops = plan.passes.iter().map(|pass| pass.whole_picture());
+    let loops = plan.passes.iter().map(PlannedPass::whole_picture);
     let per_pixel = loops.fold(SHORT_PASSES * SHORT, u64::saturating_add);
     pixels.saturating_mul(per_pixel) > most_iterations(device.summary().kind)
 }
