@@ -11,11 +11,11 @@ use tyndall_render::FinishedFrame;
 /// A picture counts as moving until this long after its last change.
 const SETTLE_AFTER: Duration = Duration::from_millis(200);
 /// Most of the budget for everything but traced samples.
-const SHADING: f64 = 0.65;
+const SHADING: f64 = 0.6;
 /// Least of the budget for traced samples: they also get what the rest does not need.
 const TRACING: f64 = 0.2;
 /// Part of the budget for both; what is left is for encoding and sending.
-const RENDERING: f64 = 0.85;
+const RENDERING: f64 = 0.72;
 /// Sides of moving pictures are multiples of this part of the full ones.
 const STEPS: u32 = 16;
 /// Fewest steps of a side.
@@ -257,7 +257,7 @@ mod tests {
         assert!(
             cheap
                 .tracing(FULL)
-                .is_some_and(|time| time > BUDGET / 5 * 4)
+                .is_some_and(|time| time > BUDGET.mul_f64(0.7))
         );
         let dear = Effort::new(BUDGET, 0.0, 1e-3);
         assert_eq!(dear.tracing(FULL), Some(BUDGET.mul_f64(TRACING)));
