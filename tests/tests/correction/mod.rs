@@ -7,6 +7,7 @@ mod gains;
 mod limit;
 mod motion;
 mod places;
+mod sizes;
 mod stress;
 
 use tyndall_scene::{Scene, ShadowMode, Technique};
