@@ -205,11 +205,11 @@ impl Renderer {
         view.abandon()
     }
 
-    /// Limits the time that traced samples of `view` may take in a frame: at most what is usual on this
-    /// device, which holds without `budget`.
+    /// Sets the time that traced samples of `view` may take in a frame: at most three times what is usual on
+    /// this device, which holds without `budget`.
     pub fn trace_within(&self, view: &mut View, budget: Option<Duration>) {
         let usual = slice_budget(self.device());
-        view.set_slice_budget(budget.map_or(usual, |budget| budget.min(usual)));
+        view.set_slice_budget(budget.map_or(usual, |budget| budget.min(3 * usual)));
     }
 
     /// Records what `share` includes of the view's plan.

@@ -62,7 +62,7 @@ pub trait Backend {
     /// Drops the frame of this view that is submitted in parts, before a change that starts the picture
     /// anew; whether there was one.
     fn abandon(&mut self, view: &mut Self::View) -> bool;
-    /// Limits the time that traced samples may take in the next frames; to what the device allows without.
+    /// Sets the time that traced samples may take in the next frames; without, what is usual on the device.
     fn trace_within(&mut self, view: &mut Self::View, budget: Option<Duration>);
     /// Looks for finished work without blocking.
     fn poll(&mut self) -> Result<(), RenderError>;

@@ -2,7 +2,8 @@
 //! to its full size at rest.
 //!
 //! A moving frame has as many pixels as the budget allows by what the last ones took. When nothing has
-//! changed for a while one frame of four times as many pixels follows, then those of the full size.
+//! changed for a while frames of four times as many pixels follow until traced samples have told them apart
+//! from noise, then those of the full size, which go on from what these knew.
 
 use std::time::{Duration, Instant};
 
@@ -24,6 +25,9 @@ const FEWEST_STEPS: u32 = 2;
 const ROOM_TO_GROW: f64 = 0.85;
 /// Between moving and full size: so many times the pixels.
 const BETWEEN: u32 = 4;
+/// Traced samples of a pixel before the picture gets its full size, and how long they are waited for.
+const ENOUGH_SAMPLES: u32 = 2;
+const LONGEST_BETWEEN: Duration = Duration::from_millis(1500);
 /// Most that the known time of a pixel rises, and falls, by one frame: the first frame of a kind also waits
 /// for its shaders.
 const MOST_RISE: f64 = 2.0;
@@ -34,7 +38,7 @@ const MOST_FALL: f64 = 4.0;
 enum Stage {
     /// As many pixels as the budget allows.
     Moving,
-    /// More, for one frame.
+    /// More, until enough is known of them.
     Between,
     /// All.
     Full,
@@ -152,7 +156,12 @@ impl Effort {
         };
         let pixels = f64::from(frame.width) * f64::from(frame.height);
         let shown = (frame.width, frame.height);
-        if self.stage == Stage::Between && shown == self.size(full) {
+        let waited = |at: Instant| at.elapsed() >= SETTLE_AFTER + LONGEST_BETWEEN;
+        let enough = frame.samples >= ENOUGH_SAMPLES || frame.converged;
+        if self.stage == Stage::Between
+            && shown == self.size(full)
+            && (enough || self.changed.is_none_or(waited))
+        {
             self.stage = Stage::Full;
         }
         // Frames at rest leave out what did not change.
@@ -245,7 +254,11 @@ mod tests {
         let between = effort.size(FULL);
         assert!(pixels(between) > 3.0 * pixels(moving) && between != FULL);
         assert_eq!(effort.tracing(FULL), None, "as long as the device allows");
-        effort.measured(&frame(between, 5.0), FULL);
+        let mut known = frame(between, 5.0);
+        effort.measured(&known, FULL);
+        assert_eq!(effort.size(FULL), between, "nothing is known of it yet");
+        known.samples = ENOUGH_SAMPLES;
+        effort.measured(&known, FULL);
         assert_eq!(effort.size(FULL), FULL);
         effort.change(start + 2 * SETTLE_AFTER);
         assert_eq!(effort.size(FULL), moving);

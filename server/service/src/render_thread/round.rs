@@ -113,9 +113,11 @@ impl<B: Backend> RenderThread<B> {
                 self.seats.push(Seat::new(session, effort));
             }
         }
+        let is_alone = self.seats.len() == 1;
         for seat in &mut self.seats {
             let wish = seat.session.wish();
             seat.forget_other_wishes(&wish);
+            seat.is_alone = is_alone;
         }
     }
 

@@ -50,6 +50,8 @@ pub(super) struct Seat<V> {
     pub(super) fit: Option<Fit>,
     /// What a frame may cost while the picture moves.
     pub(super) effort: Effort,
+    /// Whether no other session has a seat.
+    pub(super) is_alone: bool,
     /// A wish whose frame was one of several on a lost device: its next frame has the device alone.
     pub(super) suspect: Option<Wish>,
     /// A wish that was suspect and whose frame came back when it had the device alone.
@@ -71,6 +73,7 @@ impl<V> Seat<V> {
             preparing: false,
             fit: None,
             effort,
+            is_alone: false,
             suspect: None,
             tried: None,
             unread: None,

@@ -1,6 +1,7 @@
 //! Brings a session's picture to its wish: prepared first, and smaller where memory is short.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use tyndall_render::{Prepared, RenderError};
 use tyndall_scene::Scene;
@@ -10,6 +11,9 @@ use super::fit::{Fit, MOST_REDUCTIONS, smaller};
 use super::seat::{Picture, Seat};
 use crate::backend::Backend;
 use crate::session::Wish;
+
+/// Time of traced samples in a frame of a picture at rest; the device may allow less.
+const LONG_TRACING: Duration = Duration::from_secs(1);
 
 /// Makes the seat's view show the wish; as long as something is being prepared for it, nothing changes.
 pub(super) fn show<B: Backend>(
@@ -42,7 +46,10 @@ pub(super) fn show<B: Backend>(
     let full = seat.full_size(wish);
     if let Some(picture) = &mut seat.picture {
         picture.full = full;
-        backend.trace_within(&mut picture.view, seat.effort.tracing(full));
+        // A picture at rest that nobody waits beside is traced longer at once.
+        let at_rest = seat.is_alone.then_some(LONG_TRACING);
+        let tracing = seat.effort.tracing(full).or(at_rest);
+        backend.trace_within(&mut picture.view, tracing);
     }
     if full != (wish.width, wish.height) && before != Some(full) {
         tell_smaller(seat, wish, full);
