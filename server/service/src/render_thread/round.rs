@@ -185,9 +185,10 @@ impl<B: Backend> RenderThread<B> {
         };
         let now = Instant::now();
         let wish = seat.session.wish();
-        // A long frame of a picture at rest makes room for a picture that changes.
+        // A long frame of a picture at rest makes room for a picture that starts anew; what only shows it
+        // in another way waits, as dropped samples would count twice.
         if seat.flight.as_ref().is_some_and(|flight| !flight.moving)
-            && seat.shows_another(&wish)
+            && seat.starts_anew(&wish)
             && let Some(picture) = &mut seat.picture
             && backend.abandon(&mut picture.view)
             && let Some(flight) = seat.flight.take()

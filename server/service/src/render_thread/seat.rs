@@ -4,6 +4,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Instant;
 
+use tyndall_scene::ChangeSet;
+
 use super::effort::Effort;
 use super::fit::Fit;
 use crate::bell::lock;
@@ -136,6 +138,15 @@ impl<V> Seat<V> {
     pub(super) fn shows_another(&self, wish: &Wish) -> bool {
         let picture = self.picture.as_ref();
         picture.is_none_or(|picture| !same_picture(&picture.shown, wish))
+    }
+
+    /// Whether the wish's picture has nothing of the samples that are there.
+    pub(super) fn starts_anew(&self, wish: &Wish) -> bool {
+        self.picture.as_ref().is_none_or(|Picture { shown, .. }| {
+            (shown.width, shown.height) != (wish.width, wish.height)
+                || (!Arc::ptr_eq(&shown.scene, &wish.scene)
+                    && ChangeSet::between(&shown.scene, &wish.scene).restarts())
+        })
     }
 
     /// Whether the picture is not the wish's.
