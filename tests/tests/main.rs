@@ -25,6 +25,7 @@ mod reference_truth;
 mod reference_variance;
 mod rendering;
 mod samplers;
+mod screen_space;
 mod shader_functions;
 mod shader_geometry;
 mod single_scattering;

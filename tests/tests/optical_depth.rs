@@ -1,5 +1,7 @@
 //! Closed-form optical depths on a device against quadrature in f64.
 
+#![allow(clippy::print_stdout, reason = "tests print what they measure")]
+
 use glam::DVec3;
 use serde_json::json;
 use tyndall_render::{Device, probe};
@@ -142,4 +144,54 @@ fn a_ray_down_into_thick_fog_from_far_above_stays_finite() {
         tau[0][0]
     );
     assert!((0.0..1e-6).contains(&tau[1][0]), "up: {}", tau[1][0]);
+}
+
+#[test]
+fn density_integrals_on_the_device_are_those_on_the_cpu() {
+    let device = gpu::device();
+    let mut worst = 0.0_f64;
+    for falloff in [0.0, 1e-6, 1e-3, 0.3, 5.0, 100.0, 1e3] {
+        let scene = fog_scene(
+            &json!([{ "kind": "height_fog", "sigma_s": 1.0, "sigma_a": 0.0,
+            "falloff": falloff, "up": [0.6, 0.8, 0.0], "origin": [0.3, -0.5, 0.1] }]),
+        );
+        let values = probe::medium_values(&scene);
+        let up = DVec3::new(0.6, 0.8, 0.0);
+        let mut segments = Vec::new();
+        for tilt in [0.0, 1e-7, -1e-7, 1e-3, -0.02, 0.5, -0.5, 1.0, -1.0] {
+            for height in [-0.5, 0.0, 0.7, 3.0] {
+                let across = DVec3::new(-0.8, 0.6, 0.0) * f64::sqrt(1.0 - tilt * tilt);
+                let direction = (across + up * tilt).as_vec3();
+                let scale = 1.0 / f64::max(1.0, falloff);
+                let origin = (up * (height * scale)).as_vec3();
+                segments.push((origin, direction, (6.0 * scale) as f32));
+            }
+        }
+        let inputs: Vec<[f32; 4]> = segments
+            .iter()
+            .flat_map(|(o, d, l)| [[o.x, o.y, o.z, *l], [d.x, d.y, d.z, 0.0]])
+            .collect();
+        let found = optical_depths(&device, &values, &inputs);
+        for ((origin, direction, length), tau) in segments.iter().zip(&found) {
+            // The device's unit vectors are rounded: their length counts on the CPU as well.
+            let own = direction.as_dvec3();
+            let stretch = own.length();
+            let shape = &scene.media[0].shape;
+            let length = f64::from(*length) * stretch;
+            let integral = shape.density_integral(origin.as_dvec3(), own / stretch, length);
+            let expected = integral.expect("fog has a closed form") / stretch;
+            let lowest = (origin.as_dvec3() - DVec3::new(0.3, -0.5, 0.1)).dot(up);
+            let lowest = lowest.min(lowest + own.dot(up) * length);
+            // Rounding the exponent of e^x in f32 costs |x| times the rounding of 1.
+            let exponent = (falloff * lowest).abs().max(1.0);
+            let error = gpu::relative_error(tau[0], expected) / exponent;
+            worst = worst.max(error);
+            assert!(
+                error < 1e-6,
+                "falloff {falloff}, {origin} {direction}: {} for {expected}",
+                tau[0]
+            );
+        }
+    }
+    println!("largest relative error, in units of the exponent: {worst:.1e}");
 }

@@ -598,6 +598,11 @@ density_scale: number,
 bounds?: Bounds, };
 
 /**
+ * How levels of the picture are read: between levels, and between the pixels of one.
+ */
+export type LevelFetch = "linear_bilinear" | "linear_bicubic" | "cubic_bicubic";
+
+/**
  * One entry of `lights`.
  */
 export type LightDescription = { "kind": "point" } & PointLightDescription | { "kind": "spot" } & SpotLightDescription | { "kind": "directional" } & DirectionalLightDescription | { "kind": "environment" } & EnvironmentDescription;
@@ -1084,6 +1089,10 @@ seed: number,
  */
 single_scattering: SingleScattering, 
 /**
+ * Settings of the `screen_space` filter.
+ */
+screen_space: ScreenSpace, 
+/**
  * Which paths the `reference` counts.
  */
 reference: Reference, 
@@ -1221,6 +1230,66 @@ warnings: Array<string>,
  * The clock, if something moves.
  */
 clock?: ClockState, };
+
+/**
+ * Settings of the `screen_space` filter.
+ */
+export type ScreenSpace = { 
+/**
+ * How scattered light is spread over the picture.
+ */
+filter: ScreenSpaceFilter, 
+/**
+ * How widely a pixel's light is spread.
+ */
+spread: SpreadModel, 
+/**
+ * Side of the kernel between two levels of the picture. Range: 2, 4 or 6. Unit: pixel.
+ */
+kernel: number, 
+/**
+ * How `hierarchical` reads its levels.
+ */
+fetch: LevelFetch, 
+/**
+ * `hierarchical`: spreads are averaged by the luminance of what is spread.
+ */
+luminance_weighting: boolean, 
+/**
+ * `hierarchical`: light that is spread little stays out of coarse levels.
+ */
+masking: boolean, 
+/**
+ * `hierarchical`: the spreads themselves are blurred, which softens edges of depth.
+ */
+density_blur: boolean, 
+/**
+ * `hierarchical`: bright pixels that are spread little are filtered apart.
+ */
+separation: boolean, 
+/**
+ * Luminance above which they count as bright. Unit: W·m⁻²·sr⁻¹. Range: 0 to 1e6.
+ */
+separation_luminance: number, 
+/**
+ * Scattering depth below which they are spread little. Range: 0 to 100.
+ */
+separation_depth: number, 
+/**
+ * Light of lights that the media scatter once toward the eye is added, with its shadows, as
+ * `single_scattering` marches it. Otherwise the media only glow.
+ */
+in_scatter: boolean, 
+/**
+ * Radiance that arrives in the media from everywhere, beside what the picture shows.
+ * Unit: W·m⁻²·sr⁻¹. Range: 0 to 1e6.
+ */
+ambient: [number, number, number], };
+
+/**
+ * How scattered light is spread over the picture.
+ */
+export type ScreenSpaceFilter = "splat" | "hierarchical" | "gather";
 
 /**
  * What the server says.
@@ -1413,6 +1482,11 @@ casts_shadows: boolean,
  * Where it is at which time, in order of time; replaces the pose above.
  */
 keyframes?: Array<SpotKeyframe>, };
+
+/**
+ * How widely a pixel's light is spread.
+ */
+export type SpreadModel = "premoze" | "exact_moments";
 
 /**
  * About one frame.

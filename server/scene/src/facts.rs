@@ -248,34 +248,28 @@ fn optical_thickness(media: &[&Medium], bounds: &Aabb) -> f64 {
 
 /// Length of the diagonal through a medium, weighted by its relative density. Unit: m.
 fn path_length(shape: &MediumShape, bounds: &Aabb) -> f64 {
-    match shape {
-        MediumShape::Homogeneous { bounds: own } => {
-            intersection(bounds, own.as_ref()).map_or(0.0, |inside| diagonal(&inside))
-        }
-        MediumShape::HeightFog {
-            up,
-            falloff,
-            origin,
-            bounds: own,
-        } => intersection(bounds, own.as_ref()).map_or(0.0, |inside| {
-            // The diagonal that climbs along `up`: its density is e^(−k·h) from the lowest to the
-            // highest corner, whose mean is e^(−k·low) · em1(k·rise)/(k·rise).
-            let up = up.as_dvec3();
+    let across = |own: Option<&Aabb>, up: DVec3| {
+        intersection(bounds, own).map_or(0.0, |part| {
+            // The diagonal that climbs along `up` from the lowest to the highest corner.
             let ends = up.cmplt(DVec3::ZERO);
-            let low = DVec3::select(ends, inside.max, inside.min);
-            let high = DVec3::select(ends, inside.min, inside.max);
-            let falloff = f64::from(*falloff);
-            let rise = falloff * (high - low).dot(up);
-            let mean = if rise > 1e-6 {
-                -(-rise).exp_m1() / rise
-            } else {
-                1.0
-            };
-            let lowest = (-falloff * (low - *origin).dot(up)).min(HIGHEST_EXPONENT);
-            diagonal(&inside) * lowest.exp() * mean
-        }),
-        // The integral of 1 − r²/R² over a diameter.
-        MediumShape::Sphere { radius, .. } => 4.0 / 3.0 * radius,
+            let low = DVec3::select(ends, part.max, part.min);
+            let diagonal = DVec3::select(ends, part.min, part.max) - low;
+            let length = diagonal.length();
+            let integral = shape.density_integral(low, diagonal / length, length);
+            integral.unwrap_or(0.0)
+        })
+    };
+    match shape {
+        MediumShape::Homogeneous { bounds: own } => across(own.as_ref(), DVec3::Y),
+        MediumShape::HeightFog {
+            up, bounds: own, ..
+        } => across(own.as_ref(), up.as_dvec3()),
+        // Along a diameter.
+        MediumShape::Sphere { center, radius } => {
+            let start = *center - DVec3::X * *radius;
+            let integral = shape.density_integral(start, DVec3::X, 2.0 * radius);
+            integral.unwrap_or(0.0)
+        }
         // The densest column of bricks along an axis of the lattice.
         MediumShape::Grid {
             grid,
@@ -289,13 +283,6 @@ fn path_length(shape: &MediumShape, bounds: &Aabb) -> f64 {
                 .fold(0.0, f64::max)
         }
     }
-}
-
-/// Keeps the planner's estimate finite below unbounded fog.
-const HIGHEST_EXPONENT: f64 = 80.0;
-
-fn diagonal(bounds: &Aabb) -> f64 {
-    (bounds.max - bounds.min).length()
 }
 
 /// Where both are; all of `a` if `b` fills space.

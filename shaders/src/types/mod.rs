@@ -46,6 +46,7 @@ mod correction;
 mod frame;
 mod reference;
 mod scene;
+mod screen_space;
 mod single_scattering;
 mod stages;
 
@@ -53,6 +54,7 @@ pub use correction::*;
 pub use frame::*;
 pub use reference::*;
 pub use scene::*;
+pub use screen_space::*;
 pub use single_scattering::*;
 pub use stages::*;
 
@@ -63,6 +65,7 @@ pub fn layouts() -> Vec<Layout> {
         frame::layouts(),
         reference::layouts(),
         scene::layouts(),
+        screen_space::layouts(),
         single_scattering::layouts(),
         stages::layouts(),
     ]

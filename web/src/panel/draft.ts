@@ -69,9 +69,16 @@ export class Draft {
   private overwrite({ camera, lights, media, render }: Editable): void {
     const kept = this.description;
     Object.assign(kept.camera, camera);
-    const shadows = Object.assign(kept.render.shadows, render.shadows);
-    const march = Object.assign(kept.render.single_scattering, render.single_scattering);
-    Object.assign(kept.render, render, { shadows, single_scattering: march });
+    const parts = [
+      kept.render.shadows,
+      kept.render.single_scattering,
+      kept.render.screen_space,
+    ] as const;
+    const [shadows, single_scattering, screen_space] = parts;
+    Object.assign(shadows, render.shadows);
+    Object.assign(single_scattering, render.single_scattering);
+    Object.assign(screen_space, render.screen_space);
+    Object.assign(kept.render, render, { shadows, single_scattering, screen_space });
     for (const [index, light] of lights.entries()) Object.assign(kept.lights[index] ?? {}, light);
     for (const [index, medium] of media.entries()) Object.assign(kept.media[index] ?? {}, medium);
   }

@@ -16,7 +16,12 @@ const TECHNIQUES: readonly Technique[] = [
   'reference',
 ];
 /** What this version of the server renders; it refuses the others by name. */
-const RENDERED: ReadonlySet<Technique> = new Set(['auto', 'single_scattering', 'reference']);
+const RENDERED: ReadonlySet<Technique> = new Set([
+  'auto',
+  'single_scattering',
+  'screen_space',
+  'reference',
+]);
 
 export function addTechnique(folder: GUI, render: RenderDescription, changed: () => void): void {
   const technique = field<Technique>(

@@ -12,7 +12,7 @@
 use tyndall_scene::{CorrectionMode, SceneFacts, ShadowMode};
 
 use super::film::Layer;
-use super::surfaces::{base_color, depth, normal};
+use super::surfaces::{Place, base_color, depth, normal};
 use crate::engine::{Constants, Permutation, ResourceSpec};
 use crate::frame::{Dispatch, FramePlan, NewPass, PassId, PlanInput, Programs, Reach, Traces};
 
@@ -22,6 +22,13 @@ pub(crate) const PASS: PassId = PassId("area_lights");
 /// Radiance (W·m⁻²·sr⁻¹); alpha is not used.
 const AREA_RADIANCE: ResourceSpec =
     ResourceSpec::texture("area_radiance", wgpu::TextureFormat::Rgba32Float);
+
+/// The media's part of that by itself.
+pub(crate) const MEDIA_PASS: PassId = PassId("area_lights_in_media");
+const MEDIA_RADIANCE: ResourceSpec = ResourceSpec::texture(
+    "area_in_scattered_radiance",
+    wgpu::TextureFormat::Rgba32Float,
+);
 
 /// Points of a ray, of each kind, at which area lights are looked at.
 const AREA_STRATA: u32 = 8;
@@ -69,21 +76,54 @@ fn left_to_paths(input: &PlanInput<'_>) -> bool {
         && input.lights() > 0
 }
 
-/// Plans the pass; what it adds to the film, if it runs.
-pub(crate) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer> {
-    let facts = input.facts;
-    if let Some(why) = without_area_lights(facts) {
+/// Plans the pass; what it adds to the film, if it runs. At [`Place::Surface`] it is what leaves surfaces, and
+/// nothing of the media.
+pub(crate) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>, place: Place) -> Option<Layer> {
+    let surfaceless = place == Place::Surface && input.facts.triangles == 0;
+    if let Some(why) = without(
+        input,
+        surfaceless,
+        "no surface that could reflect their light",
+    ) {
         plan.skip(PASS, "", why);
         return None;
     }
-    if left_to_paths(input) {
-        plan.skip(
-            PASS,
-            "",
-            "traced samples bring the light of areas and the sky",
-        );
+    run(
+        plan,
+        input,
+        PASS,
+        place.constants().flag("MEDIA_ALONE", false),
+        AREA_RADIANCE,
+    );
+    Some(("area", AREA_RADIANCE.read()))
+}
+
+/// Plans the media's part by itself; what it adds to the film, if it runs.
+pub(crate) fn plan_media(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer> {
+    if let Some(why) = without(input, !input.facts.scatters, "no medium scatters") {
+        plan.skip(MEDIA_PASS, "", why);
         return None;
     }
+    let constants = Place::Eye.constants().flag("MEDIA_ALONE", true);
+    run(plan, input, MEDIA_PASS, constants, MEDIA_RADIANCE);
+    Some(("area", MEDIA_RADIANCE.read_as("area_radiance")))
+}
+
+/// Why nothing is looked for, if so; `nothing` says that it would find nothing, and why.
+fn without(input: &PlanInput<'_>, nothing: bool, why: &'static str) -> Option<&'static str> {
+    without_area_lights(input.facts)
+        .or(nothing.then_some(why))
+        .or(left_to_paths(input).then_some("traced samples bring the light of areas and the sky"))
+}
+
+fn run(
+    plan: &mut FramePlan,
+    input: &PlanInput<'_>,
+    pass: PassId,
+    constants: Constants,
+    written: ResourceSpec,
+) {
+    let facts = input.facts;
     let surfaces = facts.triangles > 0;
     let permutation = Permutation::of("area_lights")
         .with_if(surfaces, "surfaces")
@@ -99,10 +139,10 @@ pub(crate) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer>
     let strata = strata(input);
     let shadowed = input.settings.shadows.mode != ShadowMode::Off;
     plan.run(
-        NewPass::new(PASS, Programs::One(permutation), Dispatch(Reach::Picture))
+        NewPass::new(pass, Programs::One(permutation), Dispatch(Reach::Picture))
             .iterations(u64::from(strata) * per_point(input))
             .constants(
-                Constants::default()
+                constants
                     .number("AREA_STRATA", strata)
                     .flag("SHADOWED", shadowed),
             )
@@ -115,12 +155,11 @@ pub(crate) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer>
                 depth(facts).read(),
                 base_color(facts).read(),
                 normal(facts).read(),
-                AREA_RADIANCE.written(),
+                written.written_as("area_radiance"),
             ]),
         format!(
             "{} emissive triangles and {sky}; {strata} points of a ray for each",
             facts.emissive_triangles
         ),
     );
-    Some(("area", AREA_RADIANCE.read()))
 }

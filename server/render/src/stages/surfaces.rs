@@ -6,8 +6,8 @@
 use tyndall_scene::SceneFacts;
 
 use crate::engine::{
-    ColorTarget, DepthTarget, Permutation, RasterDraw, RasterPass, RasterState, Recording,
-    ResourceSpec, cleared, find,
+    ColorTarget, Constants, DepthTarget, Permutation, RasterDraw, RasterPass, RasterState,
+    Recording, ResourceSpec, cleared, find,
 };
 use crate::error::RenderError;
 use crate::frame::{
@@ -28,11 +28,32 @@ const DEPTH: ResourceSpec =
     ResourceSpec::texture("gbuffer_depth", wgpu::TextureFormat::Depth32Float);
 const BASE_COLOR: ResourceSpec = ResourceSpec::texture("gbuffer_base_color", GBUFFER_FORMAT);
 const NORMAL: ResourceSpec = ResourceSpec::texture("gbuffer_normal", GBUFFER_FORMAT);
-const EMISSION: ResourceSpec = ResourceSpec::texture("gbuffer_emission", GBUFFER_FORMAT);
+/// Emission of what the camera sees; drawn where triangles emit.
+pub(crate) const EMISSION: ResourceSpec = ResourceSpec::texture("gbuffer_emission", GBUFFER_FORMAT);
 
 /// Light of surfaces that arrives at the eye (W·m⁻²·sr⁻¹), and the mean transmittance on the way.
 pub(crate) const SURFACE_RADIANCE: ResourceSpec =
     ResourceSpec::texture("surface_radiance", wgpu::TextureFormat::Rgba32Float);
+
+/// The same as it leaves the surfaces, and the sky, before the media on the way.
+pub(crate) const LEAVING_RADIANCE: ResourceSpec =
+    ResourceSpec::texture("leaving_radiance", wgpu::TextureFormat::Rgba32Float);
+
+/// Where on its way to the eye the light of surfaces is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// Where it arrives.
+    Eye,
+    /// Where it starts.
+    Surface,
+}
+
+impl Place {
+    /// What shaders are told.
+    pub fn constants(self) -> Constants {
+        Constants::default().flag("LEAVING", self == Self::Surface)
+    }
+}
 
 /// Reversed depth of what the camera sees.
 pub(crate) fn depth(facts: &SceneFacts) -> ResourceSpec {
@@ -95,8 +116,8 @@ pub(crate) fn plan_gbuffer(plan: &mut FramePlan, input: &PlanInput<'_>) {
     }
 }
 
-/// Plans the direct light.
-pub(crate) fn plan_shade(plan: &mut FramePlan, input: &PlanInput<'_>) {
+/// Plans the direct light, written to [`SURFACE_RADIANCE`] or [`LEAVING_RADIANCE`].
+pub(crate) fn plan_shade(plan: &mut FramePlan, input: &PlanInput<'_>, place: Place) {
     let facts = input.facts;
     let emissive = facts.emissive_triangles > 0;
     let permutation = Permutation::of("shade")
@@ -109,18 +130,23 @@ pub(crate) fn plan_shade(plan: &mut FramePlan, input: &PlanInput<'_>) {
         .fold(permutation, Permutation::with)
         .with_if(facts.grids > 0, "grids")
         .with_if(facts.environment_map, "environment_map");
+    let (written, before) = match place {
+        Place::Eye => (SURFACE_RADIANCE, ""),
+        Place::Surface => (LEAVING_RADIANCE, " on the way there"),
+    };
     plan.run(
         NewPass::new(SHADE, Programs::One(permutation), Dispatch(Reach::Picture))
             .iterations(input.iterations_a_point())
+            .constants(place.constants())
             .accesses([
                 depth(facts).read(),
                 base_color(facts).read(),
                 normal(facts).read(),
-                SURFACE_RADIANCE.written(),
+                written.written_as("surface_radiance"),
             ])
             .accesses(emissive.then(|| EMISSION.read())),
         format!(
-            "{} lights on surfaces, attenuated by {} media",
+            "{} lights on surfaces, attenuated by {} media{before}",
             input.lights(),
             facts.media
         ),

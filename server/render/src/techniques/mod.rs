@@ -5,8 +5,10 @@
 //! only list of techniques there is in this crate.
 
 mod claim;
+mod first_order;
 pub(crate) mod reference;
 mod rung;
+mod screen_space;
 mod single_scattering;
 mod technique;
 
@@ -21,7 +23,8 @@ pub(crate) fn of(key: tyndall_scene::Technique) -> Option<&'static dyn Technique
     match key {
         Key::Auto | Key::SingleScattering => Some(&single_scattering::SingleScattering),
         Key::Reference => Some(&reference::Reference),
-        Key::InstantVpl | Key::PrincipalOrdinates | Key::ScreenSpace => None,
+        Key::ScreenSpace => Some(&screen_space::ScreenSpace),
+        Key::InstantVpl | Key::PrincipalOrdinates => None,
     }
 }
 

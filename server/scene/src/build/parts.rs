@@ -148,6 +148,7 @@ fn render(render: &RenderDescription) -> RenderSettings {
         correction: correction(render),
         seed: render.seed,
         single_scattering: render.single_scattering,
+        screen_space: render.screen_space,
         reference: render.reference,
         shadows: render.shadows,
     }

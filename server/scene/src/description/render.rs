@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 use ts_rs::TS;
 
 pub use crate::scene::{
-    CorrectionMode, MediumOrder, ReferenceSettings, ShadowMode, ShadowSettings,
-    SingleScatteringSettings, Technique,
+    CorrectionMode, LevelFetch, MediumOrder, ReferenceSettings, ScreenSpaceFilter,
+    ScreenSpaceSettings, ShadowMode, ShadowSettings, SingleScatteringSettings, SpreadModel,
+    Technique,
 };
 
 /// How to render.
@@ -39,6 +40,8 @@ pub struct RenderDescription {
     pub seed: u64,
     /// Settings of the `single_scattering` march.
     pub single_scattering: SingleScatteringSettings,
+    /// Settings of the `screen_space` filter.
+    pub screen_space: ScreenSpaceSettings,
     /// Which paths the `reference` counts.
     pub reference: ReferenceSettings,
     /// How visibility toward lights is found.
@@ -57,6 +60,7 @@ impl Default for RenderDescription {
             correction: None,
             seed: 0,
             single_scattering: SingleScatteringSettings::default(),
+            screen_space: ScreenSpaceSettings::default(),
             reference: ReferenceSettings::default(),
             shadows: ShadowSettings::default(),
         }

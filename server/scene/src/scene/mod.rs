@@ -10,12 +10,14 @@ mod animation;
 mod at;
 mod camera;
 mod change;
+mod density_integral;
 mod environment;
 mod geometry;
 mod grid;
 mod lights;
 mod media;
 mod phase;
+mod screen_space;
 mod settings;
 mod space;
 mod tracks;
@@ -34,6 +36,7 @@ pub use grid::{GridStats, SharedGrid};
 pub use lights::{DirectionalLight, Light, LightPlace, PointLight, SpotLight};
 pub use media::{Medium, MediumShape};
 pub use phase::{PhaseFunction, PhaseParameters};
+pub use screen_space::{LevelFetch, ScreenSpaceFilter, ScreenSpaceSettings, SpreadModel};
 pub use settings::{
     CorrectionMode, MediumOrder, ReferenceSettings, RenderSettings, ShadowMode, ShadowSettings,
     SingleScatteringSettings, StopRule, Technique,

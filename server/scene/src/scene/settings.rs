@@ -6,6 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ts_rs::TS;
 
+use super::screen_space::ScreenSpaceSettings;
+
 /// How to render: technique, size, when to stop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderSettings {
@@ -23,6 +25,8 @@ pub struct RenderSettings {
     pub seed: u64,
     /// Settings of the `single_scattering` march.
     pub single_scattering: SingleScatteringSettings,
+    /// Settings of the `screen_space` filter.
+    pub screen_space: ScreenSpaceSettings,
     /// Which paths the `reference` counts.
     pub reference: ReferenceSettings,
     /// How visibility toward lights is found.

@@ -2,6 +2,7 @@
 
 use super::rules;
 use crate::description::RenderDescription;
+use crate::description::render::ScreenSpaceSettings;
 use crate::error::SceneError;
 use crate::json_path::JsonPath;
 
@@ -64,6 +65,7 @@ pub(super) fn check(render: &RenderDescription, path: &JsonPath) -> Result<(), S
             "0, 1, 2, 4 or 8",
         ));
     }
+    screen_space(&render.screen_space, &path.field("screen_space"))?;
     let resolution = render.shadows.resolution;
     rules::whole(
         &path.field("shadows").field("resolution"),
@@ -71,4 +73,25 @@ pub(super) fn check(render: &RenderDescription, path: &JsonPath) -> Result<(), S
         16,
         8192,
     )
+}
+
+fn screen_space(settings: &ScreenSpaceSettings, path: &JsonPath) -> Result<(), SceneError> {
+    if !matches!(settings.kernel, 2 | 4 | 6) {
+        return Err(SceneError::invalid(
+            path.field("kernel"),
+            settings.kernel.to_string(),
+            "2, 4 or 6",
+        ));
+    }
+    let numbers = [
+        ("separation_luminance", settings.separation_luminance, 1e6),
+        ("separation_depth", settings.separation_depth, 100.0),
+    ];
+    for (name, value, most) in numbers {
+        rules::range(&path.field(name), value, 0.0, most)?;
+    }
+    for (index, value) in settings.ambient.into_iter().enumerate() {
+        rules::range(&path.field("ambient").index(index), value, 0.0, 1e6)?;
+    }
+    Ok(())
 }

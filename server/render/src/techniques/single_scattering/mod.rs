@@ -20,10 +20,18 @@ use tyndall_scene::{Scene, ShadowMode};
 use super::technique::Technique;
 use super::{Claim, Paths, Rung};
 use crate::frame::{FramePlan, PlanInput};
+use crate::stages::film::Layer;
+use crate::stages::surfaces::Place;
 use crate::stages::{area_lights, film, light_volume, surfaces, visibility};
 
 /// The technique.
 pub(super) struct SingleScattering;
+
+/// Plans the light of lights that the media scatter exactly once, for a picture that has it beside other light;
+/// what it adds to the film, if anything.
+pub(super) fn plan_in_scatter(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer> {
+    passes::plan(plan, input)
+}
 
 impl Technique for SingleScattering {
     fn key(&self) -> tyndall_scene::Technique {
@@ -51,10 +59,10 @@ impl Technique for SingleScattering {
         visibility::plan(plan, input);
         surfaces::plan_gbuffer(plan, input);
         light_volume::plan(plan, input);
-        surfaces::plan_shade(plan, input);
+        surfaces::plan_shade(plan, input, Place::Eye);
         let layers = passes::plan(plan, input)
             .into_iter()
-            .chain(area_lights::plan(plan, input));
+            .chain(area_lights::plan(plan, input, Place::Eye));
         let layers: Vec<_> = layers.collect();
         film::plan(plan, film::of_technique(input), &layers);
     }
