@@ -21,7 +21,7 @@ const STILL_BUDGET: Duration = Duration::from_millis(250);
 const FIRST_UNITS: f64 = 4096.0;
 /// Segments a pixel may follow for each sample it takes, and for the dispatch: most paths are shorter.
 const SEGMENTS: u32 = 64;
-/// Furthest that pixels with a sample lie apart: further, and a moving picture gains nothing.
+/// Largest cells, and so the furthest that pixels with a sample lie apart: further, and a picture gains nothing.
 const MAX_STRIDE: u32 = 8;
 /// A measured cost may be that much too low for the next dispatch.
 const GROWTH: f64 = 4.0;
@@ -36,11 +36,26 @@ pub(crate) struct Slices {
     last_units: f64,
     /// What the present sweep takes next.
     next: Position,
-    /// Side of its cells. Unit: pixel.
+    /// Side of its cells, and by which their places are moved. Unit: pixel.
     stride: u32,
+    offset: [u32; 2],
     batch: u32,
     /// Counts the sweeps.
     sweep: u32,
+}
+
+/// How a sweep is cut where it takes several dispatches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cut {
+    /// Row by row: nobody looks before it is done.
+    Rows,
+    /// Spread over the picture; the first dispatch of a new one is, whatever it takes.
+    Spread {
+        /// Whether nothing of the picture was traced yet.
+        is_new: bool,
+        /// Counts the pictures: each begins at another place of the cells.
+        turn: u32,
+    },
 }
 
 /// A place of the cells, and a row of cells, in the order in which a sweep takes them.
@@ -59,10 +74,6 @@ pub(crate) struct Sweep {
 
 /// A dispatch's part of the picture: some places of the cells in some rows of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(
-    clippy::struct_excessive_bools,
-    reason = "independent properties of a dispatch"
-)]
 pub(crate) struct Slice {
     /// Of cells.
     pub first_row: u32,
@@ -76,10 +87,8 @@ pub(crate) struct Slice {
     pub samples: u32,
     /// Side of a cell; 1 takes all pixels of the rows. Unit: pixel.
     pub stride: u32,
-    /// By which the places are moved.
+    /// By which the places are moved, around in their cells. Unit: pixel.
     pub offset: [u32; 2],
-    /// Whether it stands for itself, and is no part of a sweep.
-    pub thins: bool,
     /// Whether all pixels share the places of their samples, with the technique.
     pub shares_places: bool,
     /// Whether the buffers were cleared and hold what is known of every pixel.
@@ -102,9 +111,6 @@ impl Slice {
 
     /// Part of the picture that its sweep has done then.
     pub fn part(self) -> f32 {
-        if self.thins {
-            return 0.0;
-        }
         let places = (self.first_place + self.places - 1) as f32;
         let of_last = (self.first_row + self.rows) as f32 / self.all_rows as f32;
         (places + of_last) / (self.stride * self.stride) as f32
@@ -141,6 +147,7 @@ impl Slices {
             last_units: FIRST_UNITS / GROWTH,
             next: Position::default(),
             stride: 1,
+            offset: [0; 2],
             batch: 1,
             sweep: 0,
         }
@@ -171,34 +178,6 @@ impl Slices {
         units.min(self.last_units * GROWTH)
     }
 
-    /// A sample of every so many pixels, all over the picture in one dispatch, where one of every pixel
-    /// would take longer than the budget; `turn` chooses which pixels.
-    pub fn thinned(&self, (width, height): (u32, u32), turn: u32) -> Option<Slice> {
-        let whole = f64::from(width) * f64::from(height);
-        let wanted = (whole / self.affordable()).sqrt().ceil() as u32;
-        if wanted <= 1 || self.budget >= STILL_BUDGET {
-            return None;
-        }
-        let stride = wanted.min(MAX_STRIDE).min(width).min(height);
-        // R2 sequence (Roberts 2018): any run of turns spreads over the cells of the stride.
-        let place = |step: f64| ((f64::from(turn) * step).fract() * f64::from(stride)) as u32;
-        Some(Slice {
-            first_row: 0,
-            rows: height.div_ceil(stride),
-            all_rows: height.div_ceil(stride),
-            first_place: 0,
-            places: 1,
-            first_sample: 0,
-            samples: 1,
-            stride,
-            offset: [place(0.754_877_666_246_693), place(0.569_840_290_998_053_3)],
-            thins: true,
-            shares_places: false,
-            cleared: true,
-            completes: false,
-        })
-    }
-
     /// Side of the cells of a sweep, a power of two: the least with which one place of all cells fits into
     /// the budget.
     fn stride_of(&self, (width, height): (u32, u32)) -> u32 {
@@ -213,25 +192,36 @@ impl Slices {
     }
 
     /// The next part of a picture that has `done` samples, with at most `wanted` in the end; without
-    /// new samples where it has as many, for the paths that wait. A sweep is `spread` over the picture, or
-    /// goes on row by row.
-    pub fn next(&self, size: (u32, u32), done: u32, wanted: u32, spread: bool) -> Slice {
+    /// new samples where it has as many, for the paths that wait.
+    pub fn next(&self, size: (u32, u32), done: u32, wanted: u32, cut: Cut) -> Slice {
         let (width, height) = size;
         let units = self.affordable();
-        let (stride, samples) = if self.next == Position::default() {
+        let (stride, offset, samples) = if self.next == Position::default() {
             let whole = f64::from(width) * f64::from(height);
             let left = wanted.saturating_sub(done);
             let samples = ((units / whole) as u32).clamp(1, MAX_BATCH).min(left);
-            (if spread { self.stride_of(size) } else { 1 }, samples)
+            let (stride, offset) = match cut {
+                Cut::Rows => (1, [0; 2]),
+                Cut::Spread { turn, .. } => {
+                    let stride = self.stride_of(size);
+                    (stride, offset_of(turn, stride))
+                }
+            };
+            (stride, offset, samples)
         } else {
-            (self.stride, self.batch)
+            (self.stride, self.offset, self.batch)
         };
         let [columns, all_rows] = [width, height].map(|side| side.div_ceil(stride));
         let first_row = self.next.row.min(all_rows - 1);
         let per_row = f64::from(columns) * f64::from(samples.max(1));
-        // As many pixels as a row of the picture has, at least.
+        // As many pixels as a row of the picture has, at least; of a new picture some of every part.
         let affordable = (units / per_row).max(f64::from(stride));
-        let rows = part_of(all_rows - first_row, affordable);
+        let rows = match cut {
+            Cut::Spread { is_new: true, .. } => all_rows - first_row,
+            Cut::Spread { is_new: false, .. } | Cut::Rows => {
+                part_of(all_rows - first_row, affordable)
+            }
+        };
         let all_places = stride * stride;
         let first_place = self.next.place.min(all_places - 1);
         let places = if rows == all_rows {
@@ -251,8 +241,7 @@ impl Slices {
             first_sample: done,
             samples,
             stride,
-            offset: [0; 2],
-            thins: false,
+            offset,
             shares_places: false,
             cleared: false,
             completes: first_row + rows == all_rows && first_place + places == all_places,
@@ -265,8 +254,8 @@ impl Slices {
             self.sweep = self.sweep.wrapping_add(1);
         }
         self.batch = slice.samples;
-        self.stride = slice.stride;
-        self.next = if slice.completes || slice.thins {
+        (self.stride, self.offset) = (slice.stride, slice.offset);
+        self.next = if slice.completes {
             Position::default()
         } else {
             let row = slice.first_row + slice.rows;
@@ -291,6 +280,13 @@ impl Slices {
     }
 }
 
+/// The place of the cells that a picture begins with.
+fn offset_of(turn: u32, stride: u32) -> [u32; 2] {
+    // R2 sequence (Roberts 2018): any run of turns spreads over the cells.
+    let place = |step: f64| ((f64::from(turn) * step).fract() * f64::from(stride)) as u32;
+    [place(0.754_877_666_246_693), place(0.569_840_290_998_053_3)]
+}
+
 /// As many of `left` as are affordable, and at least one. A remnant costs a frame of its own: it is taken along
 /// where it is small.
 fn part_of(left: u32, affordable: f64) -> u32 {
@@ -301,18 +297,24 @@ fn part_of(left: u32, affordable: f64) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
 
     const SIZE: (u32, u32) = (1920, 1080);
+    const REST: Cut = Cut::Spread {
+        is_new: false,
+        turn: 5,
+    };
 
     /// Runs sweeps at a true cost until `samples` are done; returns the dispatches' times.
-    fn run(slices: &mut Slices, cost: f64, samples: u32, spread: bool) -> Vec<f64> {
+    fn run(slices: &mut Slices, cost: f64, samples: u32, cut: Cut) -> Vec<f64> {
         let mut done = 0;
         let mut times = Vec::new();
         // Places of a cell that a sweep has done, and rows of cells of the next one.
         let (mut places, mut rows) = (0, 0);
         while done < samples {
-            let slice = slices.next(SIZE, done, samples, spread);
+            let slice = slices.next(SIZE, done, samples, cut);
             assert_eq!(slice.first_place, places, "places follow one another");
             assert_eq!(slice.first_row, rows, "rows follow one another");
             assert_eq!(slice.first_sample, done);
@@ -324,7 +326,7 @@ mod tests {
                 assert_eq!(slice.places, 1, "several places of all rows only");
             }
             assert_eq!(slice.completes, places == slice.stride * slice.stride);
-            assert!(spread || slice.stride == 1);
+            assert!(cut != Cut::Rows || slice.stride == 1);
             slices.advance(slice);
             if slice.completes {
                 places = 0;
@@ -339,17 +341,12 @@ mod tests {
 
     #[test]
     fn dispatches_keep_to_the_budget_whether_samples_are_cheap_or_dear() {
-        for (cost, spread) in [
-            (1e-9, false),
-            (1e-7, false),
-            (1e-5, false),
-            (1e-9, true),
-            (1e-7, true),
-            (1e-5, true),
-        ] {
+        let costs = [1e-9, 1e-7, 1e-5];
+        let cuts = [Cut::Rows, REST];
+        for (cost, cut) in costs.iter().flat_map(|cost| cuts.map(|cut| (*cost, cut))) {
             let budget = Duration::from_millis(8);
             let mut slices = Slices::new(budget);
-            let times = run(&mut slices, cost, 20, spread);
+            let times = run(&mut slices, cost, 20, cut);
             let row = f64::from(SIZE.0) * cost;
             let most = times.iter().skip(1).copied().fold(0.0, f64::max);
             assert!(most <= budget.as_secs_f64() * 1.3 + row, "{cost}: {most}");
@@ -359,7 +356,7 @@ mod tests {
     #[test]
     fn cheap_samples_come_several_at_once() {
         let mut slices = Slices::new(Duration::from_millis(8));
-        assert!(run(&mut slices, 1e-10, 256, true).len() < 40);
+        assert!(run(&mut slices, 1e-10, 256, REST).len() < 40);
     }
 
     #[test]
@@ -369,7 +366,7 @@ mod tests {
         slices.measured(6_000, 6_000.0 * 27e-6);
         let mut dispatches = 0;
         let place = loop {
-            let slice = slices.next((1280, 720), 0, 1, true);
+            let slice = slices.next((1280, 720), 0, 1, REST);
             slices.advance(slice);
             dispatches += 1;
             if slice.first_row + slice.rows == slice.all_rows {
@@ -379,5 +376,22 @@ mod tests {
         assert_eq!((place.stride, place.places), (8, 1));
         assert!(dispatches <= 3, "{dispatches}");
         assert!((place.part() - 1.0 / 64.0).abs() < 1e-6, "{}", place.part());
+    }
+    #[test]
+    fn the_first_dispatch_of_a_new_picture_is_all_over_it_and_the_others_go_on_from_it() {
+        let mut slices = Slices::new(Duration::ZERO);
+        slices.measured(4096, 1.0);
+        let cut = |is_new, turn| Cut::Spread { is_new, turn };
+        let first = slices.next(SIZE, 0, 1, cut(true, 7));
+        assert_eq!((first.rows, first.stride), (first.all_rows, 8));
+        slices.advance(first);
+        let second = slices.next(SIZE, 0, 1, cut(false, 8));
+        assert_eq!((second.first_place, second.first_row), (first.places, 0));
+        assert_eq!(second.offset, first.offset, "places are taken once");
+        slices.restart();
+        let places: HashSet<[u32; 2]> = (0..64)
+            .map(|turn| slices.next(SIZE, 0, 1, cut(true, turn)).offset)
+            .collect();
+        assert!(places.len() > 40, "{}", places.len());
     }
 }

@@ -188,20 +188,6 @@ impl View {
         }
     }
 
-    fn next_slice(&self, corrected: bool) -> Slice {
-        let done = self.accumulation.samples();
-        let most = self.accumulation.most_samples(self.state.scene.render.stop);
-        let thinned = (corrected && self.accumulation.is_new())
-            .then(|| self.slices.thinned(self.size(), self.restart))
-            .flatten();
-        let slice = thinned.unwrap_or_else(|| self.slices.next(self.size(), done, most, corrected));
-        Slice {
-            shares_places: self.shares_places(),
-            cleared: corrected,
-            ..slice
-        }
-    }
-
     /// Uploads what the frame reads, and turns what is carried over to the last picture where this one is
     /// new.
     pub(crate) fn prepare_frame(&mut self, device: &Device, share: Share) {
