@@ -197,7 +197,7 @@ describe('steering', () => {
       const own = await exposure.inputValue();
       await exposure.fill('8');
       await page.getByRole('status').getByText(/brighter than the page can show: exposure is \+8/).waitFor();
-      await page.locator('#unseen').getByRole('button', { name: /^Exposure/ }).click();
+      await page.locator('#unseen').getByRole('button', { name: /^Set exposure/ }).click();
       await page.waitForFunction(() => !window.__tyndall.overexposed);
       assert.equal(await exposure.inputValue(), own);
       await exposure.fill('-8');

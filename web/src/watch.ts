@@ -124,7 +124,7 @@ export class PictureWatch {
 
   private say(sentence: string, offersExposure: boolean, offersWays: boolean): void {
     this.sentence.textContent = sentence;
-    this.exposureButton.textContent = `Exposure ${signed(this.betterExposure())} EV`;
+    this.exposureButton.textContent = `Set exposure to ${signed(this.betterExposure())} EV`;
     this.exposureButton.hidden = !offersExposure;
     for (const button of this.wayButtons) button.hidden = !offersWays;
     this.root.hidden = false;

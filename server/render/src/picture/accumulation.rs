@@ -192,12 +192,12 @@ impl Accumulation {
 
     /// Whether the correction is worth its time once there are `done` samples of a pixel, in the mean: it has
     /// not run yet, they grew by an eighth, or they are all. Of the first sample a small part is worth it, and
-    /// twice that.
+    /// then each half as much again.
     pub fn wants_estimate(&self, done: f32, stop: StopRule) -> bool {
         let last = matches!(stop, StopRule::Samples(target) if done >= target as f32)
             && !self.wants_base(stop);
         let eighth = |before: f32| 0.125 * before.max(1.0);
-        let grown = |before: f32| done >= before + eighth(before).min(before.max(FIRST_PART));
+        let grown = |before: f32| done >= before + eighth(before).min((0.5 * before).max(FIRST_PART));
         last || self.estimated_at.is_none_or(grown)
     }
 
