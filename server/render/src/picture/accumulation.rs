@@ -197,7 +197,8 @@ impl Accumulation {
         let last = matches!(stop, StopRule::Samples(target) if done >= target as f32)
             && !self.wants_base(stop);
         let eighth = |before: f32| 0.125 * before.max(1.0);
-        let grown = |before: f32| done >= before + eighth(before).min((0.5 * before).max(FIRST_PART));
+        let grown =
+            |before: f32| done >= before + eighth(before).min((0.5 * before).max(FIRST_PART));
         last || self.estimated_at.is_none_or(grown)
     }
 

@@ -172,7 +172,7 @@ impl Reader<'_> {
                 return self.refuse(error(ErrorCode::Malformed, "hello was said before", None));
             }
             ClientMessage::Camera(update) if self.waiting.has_edit() => {
-                self.waiting.keep_camera(update);
+                self.waiting.keep_camera(&update);
             }
             ClientMessage::Camera(update) => self.steer(&update, now)?,
             ClientMessage::Edit(request) => {
@@ -231,11 +231,10 @@ impl Reader<'_> {
 
     /// Changes the open scene, at once or when the share of edits allows the next one.
     async fn edit(&mut self, request: EditRequest, now: Instant) -> Result<(), Farewell> {
-        if let Err(other) = self.waiting.keep_edit(request, now) {
+        if !self.waiting.takes(&request.edit) {
             self.make_waiting().await?;
-            // Nothing waits now, so it is kept.
-            self.waiting.keep_edit(other, now).ok();
         }
+        self.waiting.keep_edit(request, now);
         if Instant::now() >= self.edit_from {
             self.make_waiting().await?;
         }

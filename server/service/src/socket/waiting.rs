@@ -33,37 +33,31 @@ impl Waiting {
         self.edit.is_some()
     }
 
-    /// Keeps an edit in place of the one that waits, or gives it back if that names something that it does not
-    /// replace, or a camera came in between.
-    pub(super) fn keep_edit(
-        &mut self,
-        request: EditRequest,
-        came: Instant,
-    ) -> Result<(), EditRequest> {
-        let first_input = match &self.edit {
-            None => request.input,
-            Some(before)
-                if self.camera.is_none() && replaces(&request.edit, &before.request.edit) =>
-            {
-                before.first_input
-            }
-            Some(_) => return Err(request),
-        };
+    /// Whether an edit may be kept in place of the one that waits, if any does: it says everything anew, and no
+    /// camera came in between.
+    pub(super) fn takes(&self, edit: &SceneEdit) -> bool {
+        self.edit
+            .as_ref()
+            .is_none_or(|before| self.camera.is_none() && replaces(edit, &before.request.edit))
+    }
+
+    /// Keeps an edit in place of the one that waits.
+    pub(super) fn keep_edit(&mut self, request: EditRequest, came: Instant) {
+        let before = self.edit.as_ref();
         self.edit = Some(WaitingEdit {
+            first_input: before.map_or(request.input, |before| before.first_input),
             request,
-            first_input,
             came,
         });
-        Ok(())
     }
 
     /// Keeps the newest camera. One that surfaces let through on any part of the way goes through them.
-    pub(super) fn keep_camera(&mut self, camera: CameraUpdate) {
+    pub(super) fn keep_camera(&mut self, camera: &CameraUpdate) {
         let before = self.camera.as_ref();
         let stops = before.is_none_or(|before| before.stops_at_surfaces);
         self.camera = Some(CameraUpdate {
             stops_at_surfaces: camera.stops_at_surfaces && stops,
-            ..camera
+            ..camera.clone()
         });
     }
 
@@ -125,8 +119,9 @@ mod tests {
         let mut waiting = Waiting::default();
         let now = Instant::now();
         for input in 4..=90 {
-            let kept = waiting.keep_edit(exposure(input, input as f64), now);
-            assert_eq!(kept, Ok(()));
+            let edit = exposure(input, input as f64);
+            assert!(waiting.takes(&edit.edit));
+            waiting.keep_edit(edit, now);
         }
         let (edit, camera) = waiting.take();
         let edit = edit.expect("an edit waits");
@@ -140,27 +135,26 @@ mod tests {
     fn an_edit_of_something_else_replaces_none() {
         let mut waiting = Waiting::default();
         let now = Instant::now();
-        waiting.keep_edit(exposure(1, 1.0), now).expect("the first");
-        let edit = SceneEdit {
+        waiting.keep_edit(exposure(1, 1.0), now);
+        let other = SceneEdit {
             playing: Some(true),
             ..SceneEdit::default()
         };
-        let other = EditRequest { input: 2, edit };
-        assert_eq!(waiting.keep_edit(other.clone(), now), Err(other));
+        assert!(!waiting.takes(&other));
         // Nor does one after a camera that is to be shown after the first.
-        waiting.keep_camera(camera(3, true));
-        assert!(waiting.keep_edit(exposure(4, 2.0), now).is_err());
+        waiting.keep_camera(&camera(3, true));
+        assert!(!waiting.takes(&exposure(4, 2.0).edit));
     }
 
     #[test]
     fn of_cameras_the_newest_waits_and_a_way_through_surfaces_stays_one() {
         let mut waiting = Waiting::default();
-        waiting.keep_camera(camera(1, true));
-        waiting.keep_camera(camera(2, false));
-        waiting.keep_camera(camera(3, true));
+        waiting.keep_camera(&camera(1, true));
+        waiting.keep_camera(&camera(2, false));
+        waiting.keep_camera(&camera(3, true));
         let (_, kept) = waiting.take();
         assert_eq!(kept, Some(camera(3, false)));
-        waiting.keep_camera(camera(4, true));
+        waiting.keep_camera(&camera(4, true));
         assert_eq!(waiting.take().1, Some(camera(4, true)));
     }
 }
