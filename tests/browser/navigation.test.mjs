@@ -57,6 +57,18 @@ async function visit(body) {
   }
 }
 
+/** Share of the canvas that is nearly black; runs in the page. */
+const nearBlack = () => {
+  const small = document.createElement('canvas');
+  [small.width, small.height] = [96, 54];
+  const context = small.getContext('2d', { willReadFrequently: true });
+  context.drawImage(document.getElementById('view'), 0, 0, small.width, small.height);
+  const { data } = context.getImageData(0, 0, small.width, small.height);
+  let dark = 0;
+  for (let at = 0; at < data.length; at += 4) dark += Math.max(data[at], data[at + 1], data[at + 2]) <= 12;
+  return dark / (data.length / 4);
+};
+
 /** Something is to be seen: the picture is neither black nor of one colour. */
 async function assertSomethingToSee(page, what) {
   const picture = await luminances(page);
@@ -119,6 +131,8 @@ describe('steering', () => {
         assert.ok(walked.camera.position[axis] < navigation.bounds.max[axis]);
       }
       await assertSomethingToSee(page, 'at the wall');
+      await page.mouse.wheel(0, -300);
+      await page.getByText('A surface is in the way.').waitFor();
       const still = await wheel(page, 3);
       const moved = Math.hypot(
         ...still.camera.position.map((value, axis) => value - walked.camera.position[axis]),
@@ -160,6 +174,59 @@ describe('steering', () => {
       await assertSomethingToSee(page, 'about another pivot');
     }));
 
+  it('says within a second of rest why nearly everything is black, and stops where something is seen', () =>
+    visit(async (page) => {
+      await openPreset(page, 'cornell_fog');
+      // Half a turn: behind the box, whose back nothing lights.
+      for (let turn = 0; turn < 3; turn += 1) await drag(page, 100, 0);
+      await page.waitForTimeout(300);
+      const { darkness } = await caughtUp(page);
+      const share = await page.evaluate(nearBlack);
+      assert.ok(share > 0.95, `the back of the box: ${share} of it is near black`);
+      if (darkness === null) await page.waitForFunction(() => window.__tyndall.darkness !== null, undefined, { timeout: 2000 });
+      await page.getByRole('status').getByText(/^Nearly everything here is black: /).waitFor();
+      for (let turn = 0; turn < 3; turn += 1) await drag(page, -100, 0);
+      await page.waitForFunction(() => window.__tyndall.darkness === null);
+      assert.equal(await page.locator('#unseen').isVisible(), false);
+    }));
+
+  it('says that a picture is too bright, and sets the exposure back', () =>
+    visit(async (page) => {
+      await caughtUp(page);
+      const exposure = page.getByRole('slider', { name: 'Exposure' }).first();
+      const own = await exposure.inputValue();
+      await exposure.fill('8');
+      await page.getByRole('status').getByText(/brighter than the page can show: exposure is \+8/).waitFor();
+      await page.locator('#unseen').getByRole('button', { name: /^Set exposure/ }).click();
+      await page.waitForFunction(() => !window.__tyndall.overexposed);
+      assert.equal(await exposure.inputValue(), own);
+      await exposure.fill('-8');
+      await page.getByRole('status').getByText(/black: exposure is −8/).waitFor();
+      await page.getByRole('button', { name: 'Reset density and exposure' }).click();
+      await page.waitForFunction(() => window.__tyndall.darkness === null);
+      await caughtUp(page);
+      await assertSomethingToSee(page, 'with its own exposure');
+    }));
+
+  it('keeps density and exposure over a reload, and resets both', () =>
+    visit(async (page) => {
+      await caughtUp(page);
+      const sliders = ['Density', 'Exposure'].map((name) => page.getByRole('slider', { name }).first());
+      const values = () => Promise.all(sliders.map((slider) => slider.inputValue()));
+      const own = await values();
+      await sliders[0].fill('260');
+      // The last edit may not even have left.
+      await sliders[1].fill('1.5');
+      const edited = await values();
+      await page.reload();
+      await page.waitForFunction(() => window.__tyndall?.framesPainted > 0);
+      assert.deepEqual(await values(), edited);
+      await caughtUp(page);
+      await page.getByRole('button', { name: 'Reset density and exposure' }).click();
+      assert.deepEqual(await values(), own);
+      await caughtUp(page);
+    }));
+
   it('says why the picture is black, and frames everything again', () =>
     visit(async (page) => {
       await openPreset(page, 'cornell_fog');
@@ -169,7 +236,7 @@ describe('steering', () => {
       for (let turn = 0; turn < 4; turn += 1) await drag(page, 235, 0);
       await page.getByRole('status').getByText(/camera looks away|no light reaches/).waitFor();
       assert.notEqual((await state(page)).darkness, null);
-      await page.locator('#dark').getByRole('button', { name: 'Frame all' }).click();
+      await page.locator('#unseen').getByRole('button', { name: 'Frame all' }).click();
       await page.waitForFunction(() => window.__tyndall.darkness === null);
       await page.waitForTimeout(600);
       await caughtUp(page);
@@ -199,8 +266,16 @@ describe('a server that asks for a token', () => {
     const context = await browser.newContext(WINDOW);
     try {
       const page = await context.newPage();
+      const [sockets, errors] = [[], []];
+      page.on('websocket', (socket) => sockets.push(socket.url()));
+      page.on('console', (message) => {
+        if (message.type() === 'error') errors.push(message.text());
+      });
       await page.goto(guarded.url);
       await page.getByText('This server asks for a token.').waitFor();
+      await page.waitForTimeout(2000);
+      assert.deepEqual(sockets, [], 'no socket before the server has let the page in');
+      assert.ok(errors.length <= 1, `one request says it all: ${errors}`);
       assert.equal((await state(page)).connection, 'refused');
       await page.getByLabel('Token', { exact: true }).fill(token);
       await page.getByRole('button', { name: 'Connect' }).click();

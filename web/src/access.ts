@@ -10,27 +10,38 @@ export interface Refusal {
 
 const PATIENCE_MILLIS = 5000;
 
-/** Null if the server lets the page in, or cannot be reached. */
-export async function whyRefused(
+/**
+ * Whether the server lets the page in now, and would at all: 'later' may become 'admitted' by waiting, 'refused'
+ * only by something that somebody does.
+ */
+export type Access = 'admitted' | 'unreachable' | 'later' | 'refused';
+
+/** Asks the server whether it lets the page in; a refusal is why it does not. */
+export async function mayEnter(
   page: string,
   token: string | null,
   ask: typeof fetch = fetch,
-): Promise<Refusal | null> {
+): Promise<'admitted' | 'unreachable' | Refusal> {
   let response: Response;
   try {
     const signal = AbortSignal.timeout(PATIENCE_MILLIS);
     response = await ask(withToken('v1/access', page, token).href, { signal, cache: 'no-store' });
   } catch {
-    return null;
+    return 'unreachable';
   }
   // An older server has no such address; it may be right or wrong about anything else.
-  if (response.ok || response.status === 404) return null;
+  if (response.ok || response.status === 404) return 'admitted';
   const problem = await response.json().catch(() => null);
   const text = (name: string): string => {
     const value = problem === null ? undefined : problem[name];
     return typeof value === 'string' ? value : '';
   };
   return { status: response.status, title: text('title'), detail: text('detail') };
+}
+
+/** Whether a refusal may end by itself: not that of a token or an address. */
+export function waits({ status }: Pick<Refusal, 'status'>): boolean {
+  return status !== 401 && status !== 403;
 }
 
 /** What happened and what to do about it, in two plain sentences. */

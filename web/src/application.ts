@@ -1,22 +1,23 @@
 /** The life of the page: connect, show pictures, send what the user does. */
 
 import { fitFieldOfView } from './camera/frame';
+import { poseOf } from './camera/pose';
 import { CameraRig } from './camera/rig';
 import { Chrome } from './chrome';
 import { Connection } from './connection';
-import { DarknessWatch } from './darkness';
 import type { DebugState } from './debug';
 import { byId } from './dom';
 import { Figures } from './figures';
 import { FramePainter, type PaintedFrame } from './frames';
+import { Hint } from './hint';
 import { CameraInput } from './input';
 import { LatencyTracker } from './latency';
 import { Outbox, type Size } from './outbox';
 import { Overlay } from './overlay';
+import { type OwnValues, ownValues } from './own';
 import { field } from './panel/field';
 import { Panel, presetOf } from './panel/panel';
 import {
-  type CameraDescription,
   type CameraMessage,
   type CameraPose,
   type ClientMessage,
@@ -30,11 +31,12 @@ import { Quick } from './quick';
 import { Rate } from './rate';
 import { RefusedDialog } from './refused';
 import { Restore } from './restore';
-import { keep, takeKept } from './resume';
-import { pictureSize, type ResolutionScale } from './size';
+import { type Kept, keep, takeKept, unsaved, withKept } from './resume';
+import { devicePixels, pictureSize, type ResolutionScale } from './size';
 import { Steering } from './steering';
 import { Toasts } from './toast';
-import { tokenOf, withToken } from './token';
+import { streamUrl, tokenOf } from './token';
+import { PictureWatch } from './watch';
 
 const RESIZE_DEBOUNCE_MILLIS = 150;
 const OVERLAY_MILLIS = 250;
@@ -58,9 +60,10 @@ export class Application {
   private readonly overlay: Overlay;
   private readonly figures = new Figures(byId('figures'));
   private readonly chrome: Chrome;
-  private readonly darkness: DarknessWatch;
-  private readonly refusal: RefusedDialog;
+  private readonly watch: PictureWatch;
+  private readonly refusal = new RefusedDialog();
   private readonly toasts = new Toasts(byId('toasts'));
+  private readonly hint = new Hint(byId('hint'), 'Fly through', () => this.steering.setMode('fly'));
   private readonly painter: FramePainter;
   private readonly connection: Connection;
   private readonly latency = new LatencyTracker();
@@ -76,6 +79,7 @@ export class Application {
   private session = this.kept?.session ?? null;
   private deepLink = new URLSearchParams(location.search).get('preset');
   private home: CameraPose | null = null;
+  private own: OwnValues | null = null;
   private sentPose: CameraPose = START_POSE;
   private adoptCamera = true;
   private device: Size = { width: 16, height: 16 };
@@ -96,20 +100,16 @@ export class Application {
         this.chrome.showMode(mode);
         this.debug.mode = mode;
         this.debug.navigation = this.steering.navigation;
+        this.hint.hide();
       },
+      onHeldUp: () => this.hint.show('A surface is in the way.'),
     });
-    this.connection = new Connection(streamUrl(), {
+    this.connection = new Connection(streamUrl(location.href, tokenOf(location.search)), {
       onOpen: () => this.hello(),
       onMessage: (message) => this.receive(message),
       onPicture: (message) => void this.painter.receive(message),
       onBroken: (reason) => this.complain(reason),
-      onFailed: () => void this.refusal.ask(),
-    });
-    this.refusal = new RefusedDialog({
-      onKnown: (refused) => {
-        if (refused) this.connection.refused();
-        else this.connection.admitted();
-      },
+      mayConnect: () => this.refusal.ask(),
     });
     this.painter = new FramePainter(canvas, {
       onAcknowledge: (frame) => this.connection.send({ type: 'ack', frame }),
@@ -126,12 +126,15 @@ export class Application {
       onOverlay: (open) => this.overlay.setOpen(open),
     });
     this.chrome.showMode(this.rig.mode);
-    this.darkness = new DarknessWatch(byId('dark'), canvas, {
+    this.watch = new PictureWatch(byId('unseen'), canvas, {
       ask: (message) => void this.connection.send(message),
       onHome,
       onFrameAll,
-      onCause: (cause) => {
+      exposure: () => this.quick.exposures(),
+      onExposure: (ev) => this.quick.setExposure(ev),
+      onVisible: (visible, cause) => {
         this.debug.darkness = cause;
+        this.debug.overexposed = visible === 'bright';
       },
     });
     const resolution = field<ResolutionScale>(
@@ -142,7 +145,10 @@ export class Application {
       },
     );
     this.panel = new Panel(byId('panel-body'), this.rig, resolution, {
-      onEdit: (edit) => this.outbox.addEdit(edit),
+      onEdit: (edit) => {
+        this.outbox.addEdit(edit);
+        this.watch.changed(performance.now());
+      },
       onPreset: (name) => this.openPreset(name),
       onValues: () => this.quick.refresh(),
     });
@@ -165,6 +171,7 @@ export class Application {
       mode: null,
       navigation: null,
       darkness: null,
+      overexposed: false,
       errors: [],
       drop: () => this.connection.drop(),
     };
@@ -254,14 +261,13 @@ export class Application {
         this.steering.picked(message);
         break;
       case 'darkness':
-        this.darkness.answered(message);
+        this.watch.answered(message);
         break;
       case 'plan':
         this.debug.plan = message.plan;
         break;
       case 'stats':
         this.debug.stats = message;
-        this.darkness.painted(message.mean_luminance);
         if (message.time_seconds !== undefined) this.panel.showTime(message.time_seconds);
         break;
       case 'notice':
@@ -314,19 +320,31 @@ export class Application {
       this.adoptCamera = false;
       return;
     }
+    const kept = another && this.home === null ? this.keptOf(scene) : null;
     if (another || epochChanged || this.adoptCamera) this.takeCamera(scene, another);
     this.adoptCamera = false;
-    this.panel.show(scene, presets);
-    if (this.panel.working !== null) this.quick.show(scene, presets, this.panel.working);
+    // What was edited last may not have reached the server before the page was reloaded.
+    const edited = kept === null ? null : unsaved(scene.description, kept);
+    if (edited !== null) this.outbox.addEdit(edited);
+    this.own = kept?.own ?? ownValues(scene.description);
+    this.panel.show(kept === null ? scene : withKept(scene, kept), presets);
+    const { working } = this.panel;
+    if (working !== null) this.quick.show(scene, presets, working, this.own);
     this.panel.showCamera(this.rig.current);
     this.followDeepLink(presets.map(({ name }) => name));
   }
 
+  /** What this tab kept of the scene before it was reloaded, if the session goes on. */
+  private keptOf(scene: SceneMessage): Kept | null {
+    const resumed = this.welcome?.resumed === true && this.kept?.sceneName === scene.name;
+    return resumed ? this.kept : null;
+  }
+
   private takeCamera(scene: SceneMessage, another: boolean): void {
     const pose = poseOf(scene.description.camera);
-    const resumed = this.welcome?.resumed === true && this.kept?.sceneName === scene.name;
-    if (another && resumed && this.home === null) {
-      this.home = this.kept?.home ?? pose;
+    const kept = this.keptOf(scene);
+    if (another && kept !== null && this.home === null) {
+      this.home = kept.home;
       this.rig.adopt(pose, this.home);
     } else {
       this.home = fitFieldOfView(pose, this.canvas.clientWidth / this.canvas.clientHeight);
@@ -334,8 +352,8 @@ export class Application {
     }
     if (another) {
       this.debug.mode = null;
-      this.steering.opened(resumed ? (this.kept?.mode ?? null) : null);
-      this.darkness.reset();
+      this.steering.opened(kept?.mode ?? null);
+      this.watch.reset();
     }
     this.sentPose = pose;
   }
@@ -379,6 +397,7 @@ export class Application {
       decodeMillis,
     });
     this.panel.settle(header.appliedInput);
+    this.watch.painted();
     this.debug.framesPainted += 1;
     this.debug.lastHeader = header;
   }
@@ -390,9 +409,9 @@ export class Application {
     if (this.rig.tick(seconds, this.sentPose)) {
       this.sentPose = this.rig.current;
       this.outbox.setCamera(this.sentPose, !this.rig.takeThrough());
-      this.darkness.moved(now);
+      this.watch.changed(now);
     }
-    this.darkness.tick(now);
+    this.watch.tick(now);
     if (this.connection.state.value === 'connected') this.flush();
     if (now >= this.readoutDue) {
       this.readoutDue = now + READOUT_MILLIS;
@@ -453,13 +472,18 @@ export class Application {
   }
 
   private keepSession(): void {
-    if (this.session === null || this.scene === null || this.home === null) return;
+    const edit = this.panel.state();
+    const { session, own, home } = this;
+    if (session === null || this.scene === null || home === null) return;
+    if (own === null || edit === null) return;
     keep({
-      session: this.session,
+      session,
       lastInput: this.outbox.newestInput,
       sceneName: this.scene.name,
-      home: this.home,
+      home,
       mode: this.rig.mode,
+      edit,
+      own,
     });
   }
 
@@ -468,24 +492,4 @@ export class Application {
     if (this.debug.errors.length > 100) this.debug.errors.shift();
     this.toasts.show(message, path);
   }
-}
-
-/** The stream beside the page, with the page's token if it has one. */
-function streamUrl(): string {
-  const url = withToken('v1/stream', location.href, tokenOf(location.search));
-  url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
-  return url.href;
-}
-
-function devicePixels(entry: ResizeObserverEntry): Size {
-  const exact = entry.devicePixelContentBoxSize?.[0];
-  if (exact !== undefined) return { width: exact.inlineSize, height: exact.blockSize };
-  const { width, height } = entry.contentRect;
-  const ratio = window.devicePixelRatio;
-  return { width: Math.round(width * ratio), height: Math.round(height * ratio) };
-}
-
-function poseOf(camera: CameraDescription): CameraPose {
-  const { position, target, up, vertical_fov_degrees } = camera;
-  return { position, target, up, vertical_fov_degrees };
 }

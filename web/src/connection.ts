@@ -1,5 +1,6 @@
 /** One WebSocket that comes back by itself. Knows nothing of scenes or pictures. */
 
+import type { Access } from './access';
 import { backoffMillis } from './backoff';
 import type { ClientMessage, ServerMessage } from './protocol.gen';
 import { Signal } from './store';
@@ -16,8 +17,11 @@ export interface ConnectionEvents {
   onMessage(message: ServerMessage): void;
   onPicture(message: ArrayBuffer): void;
   onBroken(reason: string): void;
-  /** The socket closed before the server said welcome; the next attempt comes by itself. */
-  onFailed(): void;
+  /**
+   * Asks whether the server lets the page in: before the first socket, and before the next one after one to
+   * which the server did not say welcome. A browser hides from a WebSocket why it was refused.
+   */
+  mayConnect(): Promise<Access>;
 }
 
 export class Connection {
@@ -26,6 +30,8 @@ export class Connection {
   private failures = 0;
   private everConnected = false;
   private welcomed = false;
+  /** The question whether the server lets the page in is on its way. */
+  private asking = false;
   private retryTimer: ReturnType<typeof setTimeout> | undefined;
   private connectTimer: ReturnType<typeof setTimeout> | undefined;
   private received = 0;
@@ -50,8 +56,42 @@ export class Connection {
     return this.socket?.readyState === WebSocket.OPEN;
   }
 
+  /** Connects, once the server has said that it lets the page in. */
   open(): void {
     clearTimeout(this.retryTimer);
+    if (this.asking) return;
+    if (this.welcomed) {
+      this.connect();
+      return;
+    }
+    this.asking = true;
+    void this.events.mayConnect().then((access) => {
+      this.asking = false;
+      this.answered(access);
+    });
+  }
+
+  private answered(access: Access): void {
+    switch (access) {
+      case 'admitted':
+        if (this.state.value === 'refused') this.state.set('connecting');
+        this.connect();
+        break;
+      case 'unreachable':
+        this.tryLater('reconnecting');
+        break;
+      case 'later':
+        this.state.set('refused');
+        this.tryLater('reconnecting');
+        break;
+      case 'refused':
+        // Asked again when somebody comes back to the page.
+        this.state.set('refused');
+        break;
+    }
+  }
+
+  private connect(): void {
     this.welcomed = false;
     const socket = new WebSocket(this.url);
     socket.binaryType = 'arraybuffer';
@@ -76,16 +116,6 @@ export class Connection {
   /** Skips the rest of the wait, if the page is waiting. */
   retryNow(): void {
     if (this.socket === null) this.open();
-  }
-
-  /** The server refuses this page, and said why. */
-  refused(): void {
-    if (this.state.value !== 'connected') this.state.set('refused');
-  }
-
-  /** The server would let this page in: what fails is something else. */
-  admitted(): void {
-    if (this.state.value === 'refused') this.state.set('reconnecting');
   }
 
   /** Closes the socket as a broken network would; the page reconnects. */
@@ -124,6 +154,10 @@ export class Connection {
     this.socket = null;
     socket.onopen = socket.onmessage = socket.onclose = null;
     socket.close();
+    this.tryLater(state);
+  }
+
+  private tryLater(state: ConnectionState): void {
     const wait = backoffMillis(this.failures);
     this.failures += 1;
     if (this.state.value === 'refused') {
@@ -131,6 +165,5 @@ export class Connection {
     } else if (this.failures >= OFFLINE_AFTER || state === 'offline') this.state.set('offline');
     else this.state.set(this.everConnected ? 'reconnecting' : 'connecting');
     this.retryTimer = setTimeout(() => this.open(), wait);
-    if (!this.welcomed) this.events.onFailed();
   }
 }

@@ -31,6 +31,8 @@ export interface DebugState {
   navigation: NavigationMessage | null;
   /** Why the picture is black, while the page says so. */
   darkness: DarknessCause | null;
+  /** Whether the page says that the picture is too bright to show anything. */
+  overexposed: boolean;
   errors: string[];
   /** Closes the socket as a broken network would. */
   drop(): void;

@@ -41,3 +41,9 @@ export function count(value: number): string {
 export function words(identifier: string): string {
   return identifier.replaceAll('_', ' ');
 }
+
+/** One decimal with its sign, as exposures are written: `+8.0`, `−2.5`, `0.0`. */
+export function signed(value: number): string {
+  const text = value.toFixed(1).replace('-', '−');
+  return Number(value.toFixed(1)) > 0 ? `+${text}` : text.replace('−0.0', '0.0');
+}

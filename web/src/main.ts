@@ -1,5 +1,6 @@
 /** The page: wires the parts together. Everything with an idea of its own is a module. */
 
+import './slider.css';
 import { Application } from './application';
 import { byId } from './dom';
 

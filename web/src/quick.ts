@@ -1,7 +1,8 @@
-/** The few controls that a newcomer wants: scene, density, exposure. */
+/** The few controls that a newcomer wants: scene, density, exposure, and the way back. */
 
 import { el } from './dom';
-import { compact } from './format';
+import { compact, signed } from './format';
+import { densityFactor, isOwn, type OwnValues, restoreOwn, setDensityFactor } from './own';
 import type { Draft } from './panel/draft';
 import { type LogRange, positionFromValue, valueFromPosition } from './panel/log_scale';
 import { presetOf } from './panel/panel';
@@ -24,9 +25,19 @@ export class Quick {
   private readonly scene = el('select', { 'aria-label': 'Scene' });
   private readonly density = slider('Density', 0, STEPS, 1);
   private readonly exposure = slider('Exposure', LOWEST_EV, HIGHEST_EV, 0.1);
+  private readonly reset = el(
+    'button',
+    {
+      type: 'button',
+      class: 'quick-reset',
+      title: "Back to the scene's own density and exposure",
+      'aria-label': 'Reset density and exposure',
+      onclick: () => this.restore(),
+    },
+    'Reset',
+  );
   private draft: Draft | null = null;
-  /** What the densities of the scene are multiplied by at present. */
-  private factor = 1;
+  private own: OwnValues | null = null;
 
   constructor(
     private readonly root: HTMLElement,
@@ -36,16 +47,18 @@ export class Quick {
       if (this.scene.value !== '') events.onPreset(this.scene.value);
     });
     this.density.input.addEventListener('input', () => this.setDensity());
-    this.exposure.input.addEventListener('input', () => this.setExposure());
+    this.exposure.input.addEventListener('input', () =>
+      this.setExposure(Number(this.exposure.input.value)),
+    );
     const label = el('label', { class: 'quick-row scene' });
     label.append(el('span', {}, 'Scene'), this.scene);
-    root.append(label, this.density.row, this.exposure.row);
+    root.append(label, this.density.row, this.exposure.row, this.reset);
   }
 
-  /** Another scene is open; `draft` is its working copy. */
-  show(scene: SceneMessage, presets: readonly Preset[], draft: Draft): void {
+  /** Another scene is open; `draft` is its working copy, `own` what it had before any edit. */
+  show(scene: SceneMessage, presets: readonly Preset[], draft: Draft, own: OwnValues): void {
     this.draft = draft;
-    this.factor = 1;
+    this.own = own;
     const current = presetOf(scene, presets);
     const options = presets.map(({ name, title }) => el('option', { value: name }, title));
     if (current === null) {
@@ -62,26 +75,40 @@ export class Quick {
 
   /** Shows what the draft holds. */
   refresh(): void {
-    if (this.draft === null) return;
-    const position = positionFromValue(this.factor, DENSITY);
-    set(this.density, position * STEPS, `${compact(this.factor)} ×`, '');
-    const ev = this.draft.description.camera.exposure_ev;
-    set(this.exposure, ev, `${ev > 0 ? '+' : ''}${ev.toFixed(1).replace('-', '−')}`, ' EV');
+    if (this.draft === null || this.own === null) return;
+    const { description } = this.draft;
+    const factor = densityFactor(description, this.own);
+    set(this.density, positionFromValue(factor, DENSITY) * STEPS, `${compact(factor)} ×`, '');
+    const ev = description.camera.exposure_ev;
+    set(this.exposure, ev, signed(ev), ' EV');
+    // It keeps its room, so that nothing moves under the pointer.
+    this.reset.classList.toggle('idle', isOwn(description, this.own));
+  }
+
+  /** Exposure at present and as the scene has it; null before the first scene. Unit: EV. */
+  exposures(): { now: number; own: number } | null {
+    if (this.draft === null || this.own === null) return null;
+    return { now: this.draft.description.camera.exposure_ev, own: this.own.exposure };
+  }
+
+  setExposure(ev: number): void {
+    this.draft?.setExposure(ev);
+    this.changed();
   }
 
   private setDensity(): void {
-    if (this.draft === null) return;
+    if (this.draft === null || this.own === null) return;
     const factor = valueFromPosition(Number(this.density.input.value) / STEPS, DENSITY);
-    for (const medium of this.draft.description.media) {
-      medium.density_scale = Number((medium.density_scale * (factor / this.factor)).toPrecision(6));
-    }
-    this.factor = factor;
+    setDensityFactor(this.draft.description, this.own, factor);
     this.draft.changed('media');
     this.changed();
   }
 
-  private setExposure(): void {
-    this.draft?.setExposure(Number(this.exposure.input.value));
+  private restore(): void {
+    if (this.draft === null || this.own === null) return;
+    restoreOwn(this.draft.description, this.own);
+    this.draft.changed('media');
+    this.draft.setExposure(this.own.exposure);
     this.changed();
   }
 

@@ -1,19 +1,13 @@
 /** The page's word on why the server refuses it, and the way in. */
 
-import { explain, type Refusal, whyRefused } from './access';
+import { type Access, explain, mayEnter, type Refusal, waits } from './access';
 import { byId } from './dom';
 import { addressWithToken, tokenOf } from './token';
 
-export interface RefusedEvents {
-  /** The server refuses the page, or lets it in after all. */
-  onKnown(refused: boolean): void;
-}
-
 export class RefusedDialog {
   private readonly dialog = byId<HTMLDialogElement>('refused');
-  private asking = false;
 
-  constructor(private readonly events: RefusedEvents) {
+  constructor() {
     byId<HTMLFormElement>('token-form').addEventListener('submit', (event) => {
       event.preventDefault();
       const token = byId<HTMLInputElement>('token').value;
@@ -21,16 +15,16 @@ export class RefusedDialog {
     });
   }
 
-  /** A connection failed: asks why, one question at a time. */
-  async ask(): Promise<void> {
-    if (this.asking) return;
-    this.asking = true;
+  /** Asks whether the server lets the page in, and says why if it does not. */
+  async ask(): Promise<Access> {
     const token = tokenOf(location.search);
-    const refusal = await whyRefused(location.href, token);
-    this.asking = false;
-    this.events.onKnown(refusal !== null);
-    if (refusal === null) this.close();
-    else this.show(refusal, token !== null);
+    const answer = await mayEnter(location.href, token);
+    if (typeof answer === 'string') {
+      if (answer === 'admitted') this.close();
+      return answer;
+    }
+    this.show(answer, token !== null);
+    return waits(answer) ? 'later' : 'refused';
   }
 
   close(): void {

@@ -30,3 +30,12 @@ export function pictureSize({ device, scale, maxPixels, maxSide }: SizeRequest):
     height: Math.max(16, Math.floor(device.height * shrink)),
   };
 }
+
+/** Device pixels that an observed element covers. */
+export function devicePixels(entry: ResizeObserverEntry): Size {
+  const exact = entry.devicePixelContentBoxSize?.[0];
+  if (exact !== undefined) return { width: exact.inlineSize, height: exact.blockSize };
+  const { width, height } = entry.contentRect;
+  const ratio = window.devicePixelRatio;
+  return { width: Math.round(width * ratio), height: Math.round(height * ratio) };
+}

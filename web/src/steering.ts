@@ -25,6 +25,8 @@ export interface SteeringEvents {
   /** False if nothing can be sent now. */
   send(message: ClientMessage): boolean;
   onMode(mode: Navigation): void;
+  /** A surface is in the way. */
+  onHeldUp(): void;
 }
 
 interface Question {
@@ -128,6 +130,7 @@ export class Steering {
   /** A surface stopped the eye. Returns whether the camera is now exactly what the server shows. */
   stopped({ input, camera }: CameraMessage): boolean {
     const next = this.follower.stopped(input, camera, this.rig.current);
+    if (this.follower.isHeldUp) this.events.onHeldUp();
     this.rig.correct(next);
     return next === camera;
   }

@@ -31,3 +31,10 @@ export function addressWithToken(page: string, token: string): string {
   url.search = `?${[...kept, `token=${encodeURIComponent(token)}`].join('&')}`;
   return url.href;
 }
+
+/** The stream beside the page, with the page's token if it has one. */
+export function streamUrl(page: string, token: string | null): string {
+  const url = withToken('v1/stream', page, token);
+  url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
+  return url.href;
+}

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { explain, whyRefused } from '../src/access';
+import { explain, mayEnter, waits } from '../src/access';
 import { readLayout } from '../src/layout';
 import { addressWithToken, tokenOf, withToken } from '../src/token';
 
@@ -37,23 +37,28 @@ describe('a refusal', () => {
       asked.push(address);
       return new Response(JSON.stringify({ title: 'no', detail: 'wrong token' }), { status: 401 });
     }) as typeof fetch;
-    const refusal = await whyRefused(PAGE, 'a+b', ask);
+    const refusal = await mayEnter(PAGE, 'a+b', ask);
     expect(asked).toEqual([`${PAGE}v1/access?token=a%2Bb`]);
     expect(refusal).toEqual({ status: 401, title: 'no', detail: 'wrong token' });
   });
 
   it('is none where the server lets the page in, is older, or is not there', async () => {
-    expect(await whyRefused(PAGE, null, answer(204, null))).toBeNull();
-    expect(await whyRefused(PAGE, null, answer(404, {}))).toBeNull();
+    expect(await mayEnter(PAGE, null, answer(204, null))).toBe('admitted');
+    expect(await mayEnter(PAGE, null, answer(404, {}))).toBe('admitted');
     const gone = (async () => {
       throw new TypeError('failed to fetch');
     }) as typeof fetch;
-    expect(await whyRefused(PAGE, null, gone)).toBeNull();
+    expect(await mayEnter(PAGE, null, gone)).toBe('unreachable');
   });
 
   it('survives an answer that is no problem document', async () => {
     const text = (async () => new Response('<html>', { status: 403 })) as typeof fetch;
-    expect(await whyRefused(PAGE, null, text)).toEqual({ status: 403, title: '', detail: '' });
+    expect(await mayEnter(PAGE, null, text)).toEqual({ status: 403, title: '', detail: '' });
+  });
+
+  it('of a token or an address ends by nothing but what somebody does', () => {
+    expect([401, 403].some((status) => waits({ status }))).toBe(false);
+    expect([429, 500, 503].every((status) => waits({ status }))).toBe(true);
   });
 
   it('is explained with what to do', () => {

@@ -1,5 +1,7 @@
-import { describe, expect, it } from 'vitest';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import type { Access } from '../src/access';
 import { backoffMillis } from '../src/backoff';
+import { Connection } from '../src/connection';
 import { Outbox } from '../src/outbox';
 import type { CameraPose, ClientMessage, SceneEdit } from '../src/protocol.gen';
 import { Restore } from '../src/restore';
@@ -27,6 +29,96 @@ describe('backoff', () => {
   it('spreads clients over the second half', () => {
     expect(backoffMillis(2, () => 0)).toBe(500);
     expect(backoffMillis(2, () => 0.5)).toBe(750);
+  });
+});
+
+describe('connection', () => {
+  /** A socket that a test opens, lets speak, and closes. */
+  class FakeSocket {
+    static readonly OPEN = 1;
+    static all: FakeSocket[] = [];
+    readyState = 0;
+    onopen: (() => void) | null = null;
+    onclose: (() => void) | null = null;
+    onmessage: ((event: { data: string }) => void) | null = null;
+
+    constructor() {
+      FakeSocket.all.push(this);
+    }
+
+    send(): void {}
+    close(): void {}
+
+    welcome(): void {
+      this.onmessage?.({ data: '{"type":"welcome"}' });
+    }
+  }
+
+  const back: (() => void)[] = [];
+
+  beforeEach(() => {
+    vi.useFakeTimers();
+    FakeSocket.all = [];
+    back.length = 0;
+    vi.stubGlobal('WebSocket', FakeSocket);
+    vi.stubGlobal('window', { addEventListener: () => {} });
+    const addEventListener = (_: string, listener: () => void) => back.push(listener);
+    vi.stubGlobal('document', { hidden: false, addEventListener });
+  });
+
+  afterEach(() => {
+    vi.useRealTimers();
+    vi.unstubAllGlobals();
+  });
+
+  /** Answers the questions one after the other, the last one for ever. */
+  function connection(answers: Access[]) {
+    let asked = 0;
+    const made = new Connection('ws://test/', {
+      onOpen: () => ({ type: 'ack', frame: 0 }),
+      onMessage: () => {},
+      onPicture: () => {},
+      onBroken: () => {},
+      mayConnect: async () => {
+        asked += 1;
+        return answers[Math.min(asked, answers.length) - 1] ?? 'admitted';
+      },
+    });
+    return { made, asked: () => asked };
+  }
+
+  it('opens no socket to a server that refuses the page, and asks once', async () => {
+    const { made, asked } = connection(['refused', 'admitted']);
+    made.open();
+    await vi.advanceTimersByTimeAsync(600_000);
+    expect(made.state.value).toBe('refused');
+    expect([asked(), FakeSocket.all.length]).toEqual([1, 0]);
+    // Somebody comes back to the page.
+    for (const listener of back) listener();
+    await vi.advanceTimersByTimeAsync(0);
+    expect([asked(), FakeSocket.all.length]).toEqual([2, 1]);
+  });
+
+  it('goes on by itself where a refusal may end, or nobody answers', async () => {
+    const { made, asked } = connection(['unreachable', 'later', 'admitted']);
+    made.open();
+    await vi.advanceTimersByTimeAsync(5_000);
+    expect(asked()).toBe(3);
+    FakeSocket.all[0]?.welcome();
+    expect(made.state.value).toBe('connected');
+  });
+
+  it('comes back without a question where it was welcome, and asks where it was not', async () => {
+    const { made, asked } = connection(['admitted']);
+    made.open();
+    await vi.advanceTimersByTimeAsync(0);
+    FakeSocket.all[0]?.welcome();
+    FakeSocket.all[0]?.onclose?.();
+    await vi.advanceTimersByTimeAsync(1000);
+    expect([asked(), FakeSocket.all.length]).toEqual([1, 2]);
+    FakeSocket.all[1]?.onclose?.();
+    await vi.advanceTimersByTimeAsync(1000);
+    expect([asked(), FakeSocket.all.length]).toEqual([2, 3]);
   });
 });
 
@@ -141,7 +233,14 @@ describe('session of a reloaded tab', () => {
       setItem: (key: string, value: string) => void entries.set(key, value),
       removeItem: (key: string) => void entries.delete(key),
     } as unknown as Storage;
-    const kept = { session: 's', lastInput: 9, sceneName: 'hall', home: pose(1) };
+    const kept = {
+      session: 's',
+      lastInput: 9,
+      sceneName: 'hall',
+      home: pose(1),
+      edit: { exposure_ev: 2 },
+      own: { exposure: 0, densities: [1] },
+    };
     keep(kept, storage);
     expect(takeKept(storage)).toEqual(kept);
     expect(takeKept(storage)).toBeNull();

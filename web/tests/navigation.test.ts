@@ -232,6 +232,41 @@ describe('follower', () => {
     expect(shown.position[0]).toBeCloseTo(wall, 9);
   });
 
+  it('knows an eye that pushes against a wall from one that slides along it', () => {
+    const push = (steps: Vec3[], stopped: (to: Vec3) => Vec3) => {
+      const follower = new Follower();
+      let now = at(2.9);
+      return steps.map((step, index) => {
+        now = { ...now, position: add(now.position, step), target: add(now.target, step) };
+        follower.left(index, now);
+        const position = stopped(now.position);
+        now = follower.stopped(index, { ...now, position }, now);
+        return follower.isHeldUp;
+      });
+    };
+    const wall = ([x, y, z]: Vec3): Vec3 => [Math.min(3, x), y, z];
+    expect(
+      push(
+        [
+          [0.3, 0, 0],
+          [0.3, 0, 0],
+          [0.3, 0, 0.1],
+        ],
+        wall,
+      ),
+    ).toEqual([false, true, true]);
+    expect(
+      push(
+        [
+          [0.3, 0, 0.3],
+          [0.1, 0, 0.3],
+          [0.1, 0, 0.3],
+        ],
+        wall,
+      ),
+    ).toEqual([false, false, false]);
+  });
+
   const shifted = (pose: CameraPose, x: number) => ({
     position: add(pose.position, [x, 0, 0]),
     target: add(pose.target, [x, 0, 0]),
@@ -260,6 +295,7 @@ describe('steering', () => {
     const events = {
       send: (message: ClientMessage) => sent.push(message) > 0,
       onMode: (mode: Navigation) => void modes.push(mode),
+      onHeldUp: () => {},
     };
     return { rig, sent, modes, steering: new Steering(rig, events) };
   }

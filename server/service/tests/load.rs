@@ -160,6 +160,42 @@ async fn edits_of_a_session_wait_for_their_share_of_time() {
 }
 
 #[tokio::test]
+async fn of_edits_that_come_faster_than_they_are_made_the_newest_wins() {
+    const EDITS: u64 = 400;
+    let mut options = options(scene(1));
+    options.limits.edit_percent = 1;
+    let server = start_with(options).await;
+    let (mut client, welcome) = Client::enter(&server, hello()).await;
+    client.say(large_edit(1)).await;
+    client.frame_where(|frame| frame.applied_input == 1).await;
+    let start = Instant::now();
+    client.say(large_edit(2)).await;
+    client.frame_where(|frame| frame.applied_input == 2).await;
+    let one = start.elapsed();
+    let start = Instant::now();
+    for input in 3..=EDITS {
+        let exposure = input as f64 / EDITS as f64;
+        client
+            .say(json!({"type": "edit", "input": input, "edit": {"exposure_ev": exposure}}))
+            .await;
+    }
+    client.say(camera(EDITS + 1, 5.0)).await;
+    client
+        .frame_where(|frame| frame.applied_input == EDITS + 1)
+        .await;
+    let all = start.elapsed();
+    println!("one large edit took {one:?}, {EDITS} small ones {all:?}");
+    // Each of them alone would have rested for a hundred times as long as it takes.
+    assert!(all < 4 * one + Duration::from_secs(1), "{all:?}");
+    let mut again = hello();
+    again["resume"] = welcome["session"].clone();
+    let (mut client, _) = Client::enter(&server, again).await;
+    let scene = client.json("scene").await;
+    assert_eq!(scene["description"]["camera"]["exposure_ev"], 1.0);
+    server.stop().await;
+}
+
+#[tokio::test]
 async fn a_picture_that_makes_the_renderer_panic_is_refused_and_others_go_on() {
     // A report with all its frames takes seconds on a busy machine.
     std::panic::set_hook(Box::new(|info| println!("{info}")));

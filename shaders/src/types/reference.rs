@@ -22,6 +22,8 @@ mirrors! {
     struct Slice {
         first_row: u32,
         rows: u32,
+        first_place: u32,
+        places: u32,
         first_sample: u32,
         samples: u32,
         segments: u32,

@@ -8,6 +8,7 @@ mod limit;
 mod motion;
 mod places;
 mod sizes;
+mod spread;
 mod stress;
 
 use tyndall_scene::{Scene, ShadowMode, Technique};

@@ -198,7 +198,7 @@ fn a_medium_that_thickens_gathers_samples() {
 }
 
 /// Samples so few that most pixels know only what was carried to them: one of 8×8 pixels a frame while the
-/// camera turns, a row a frame once it rests.
+/// camera turns, one place of all such cells a frame once it rests.
 #[test]
 fn a_few_samples_of_a_turning_camera_leave_no_specks() {
     const LAST: u32 = 10;
@@ -207,6 +207,7 @@ fn a_few_samples_of_a_turning_camera_leave_no_specks() {
         .expect("a scene")
         .scene;
     let (width, height) = (120, 75);
+    let frames_a_sample = 8 * 8;
     (scene.render.width, scene.render.height) = (width, height);
     scene.render.stop = StopRule::Samples(1);
     let turned = |step: u32, mode: CorrectionMode| {
@@ -223,7 +224,11 @@ fn a_few_samples_of_a_turning_camera_leave_no_specks() {
     let mut errors = Vec::new();
     for (mode, frames) in [
         (CorrectionMode::Off, &[0][..]),
-        (CorrectionMode::Always, &[0, height / 2, height / 2]),
+        (
+            CorrectionMode::Always,
+            // The last one turning was the first.
+            &[0, frames_a_sample / 2 - 1, frames_a_sample / 2 - 1],
+        ),
     ] {
         let mut renderer = gpu::renderer();
         let mut view = renderer

@@ -1,6 +1,6 @@
 /** Where the eye is and what it looks at. */
 
-import type { CameraPose } from '../protocol.gen';
+import type { CameraDescription, CameraPose } from '../protocol.gen';
 import type { Vec3 } from './vec';
 import { cross, length, mix, normalize, perpendicular, subtract } from './vec';
 
@@ -42,4 +42,14 @@ export function between(from: CameraPose, to: CameraPose, t: number): CameraPose
     vertical_fov_degrees:
       from.vertical_fov_degrees + (to.vertical_fov_degrees - from.vertical_fov_degrees) * t,
   };
+}
+
+/** What of a scene's camera is steered. */
+export function poseOf({
+  position,
+  target,
+  up,
+  vertical_fov_degrees,
+}: CameraDescription): CameraPose {
+  return { position, target, up, vertical_fov_degrees };
 }

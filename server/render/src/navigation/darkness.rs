@@ -8,11 +8,13 @@ use super::media;
 use super::solids::Solids;
 
 /// Rays through the picture, by column and row.
-const GRID: [usize; 2] = [7, 5];
+const GRID: [usize; 2] = [11, 7];
 /// Rays into all directions.
 const AROUND: usize = 64;
 /// Share of the picture that a surface right in front of the eye covers.
 const COVERS: f64 = 0.8;
+/// Share of the picture below which the scene is as good as out of it: a sliver at its border.
+const SLIVER: f64 = 0.05;
 /// What is right in front of the eye, in margins that a step keeps.
 const NEAR_MARGINS: f64 = 1.5;
 /// Beyond this a ray meets nothing. Unit: m.
@@ -27,7 +29,7 @@ pub enum Darkness {
     InsideSolid,
     /// A surface right in front of the eye hides everything.
     AtSurface,
-    /// Nothing of the scene is in the picture.
+    /// Nothing of the scene, or a sliver, is in the picture.
     LooksAway,
     /// What is in the picture gets no light, or too little for the exposure.
     Unlit,
@@ -63,7 +65,8 @@ pub(super) fn darkness(solids: &Solids, scene: &Scene, aspect: f64) -> Darkness 
     if close.count() as f64 >= COVERS * lines.len() as f64 {
         return Darkness::AtSurface;
     }
-    let in_sight = hits.iter().any(Option::is_some) || sees_a_medium(scene, &lines);
+    let met = hits.iter().flatten().count() as f64;
+    let in_sight = met > SLIVER * lines.len() as f64 || sees_a_medium(scene, &lines);
     if !in_sight && !shows_sky(scene) {
         return Darkness::LooksAway;
     }
@@ -76,18 +79,20 @@ fn is_inside_solid(solids: &Solids, eye: DVec3) -> bool {
     backs.count() as f64 >= 0.9 * AROUND as f64
 }
 
+/// Whether a medium is in more than a sliver of the picture.
 fn sees_a_medium(scene: &Scene, lines: &[Line]) -> bool {
     let boxes: Vec<Option<Aabb>> = scene
         .media
         .iter()
         .map(|m| media::bounds(&m.shape))
         .collect();
-    boxes.iter().any(|bounds| match bounds {
-        None => true,
-        Some(bounds) => lines
-            .iter()
-            .any(|l| media::stretch(l, bounds, FARTHEST).is_some()),
-    })
+    let sees = |line: &&Line| {
+        boxes.iter().any(|bounds| {
+            let in_box = |bounds| media::stretch(line, bounds, FARTHEST).is_some();
+            bounds.as_ref().is_none_or(in_box)
+        })
+    };
+    lines.iter().filter(sees).count() as f64 > SLIVER * lines.len() as f64
 }
 
 fn shows_sky(scene: &Scene) -> bool {

@@ -371,4 +371,9 @@ fn a_black_picture_is_explained() {
         dark([0.0, 0.0, 5.0], [0.0, 0.0, 9.0], &solid, true),
         Darkness::LooksAway
     );
+    // A sliver of it at the border of the picture is not what hides the light.
+    assert_eq!(
+        dark([0.0, 0.0, 7.0], [5.57, 0.0, 0.0], &solid, true),
+        Darkness::LooksAway
+    );
 }

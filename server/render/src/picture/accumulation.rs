@@ -22,6 +22,9 @@ fn base_for(traced: u32) -> u32 {
     (traced.min(EQUAL_SAMPLES) + beyond).min(MAX_BASE_SAMPLES)
 }
 
+/// Part of the first sample after which the correction runs.
+const FIRST_PART: f32 = 1.0 / 64.0;
+
 /// A picture whose time is up may take that many times as long for the paths that still wait.
 const MOST_OVERTIME: f32 = 2.0;
 
@@ -188,11 +191,14 @@ impl Accumulation {
     }
 
     /// Whether the correction is worth its time once there are `done` samples of a pixel, in the mean: it has
-    /// not run yet, they grew by an eighth, of the first one too, or they are all.
+    /// not run yet, they grew by an eighth, or they are all. Of the first sample a small part is worth it, and
+    /// then each half as much again.
     pub fn wants_estimate(&self, done: f32, stop: StopRule) -> bool {
         let last = matches!(stop, StopRule::Samples(target) if done >= target as f32)
             && !self.wants_base(stop);
-        let grown = |before: f32| done >= before + 0.125 * before.max(1.0);
+        let eighth = |before: f32| 0.125 * before.max(1.0);
+        let grown =
+            |before: f32| done >= before + eighth(before).min((0.5 * before).max(FIRST_PART));
         last || self.estimated_at.is_none_or(grown)
     }
 

@@ -9,4 +9,4 @@ mod slices;
 pub(crate) use accumulation::{Accumulation, Work};
 pub(crate) use pixel_offsets::{pixel_offset, spread_pairs};
 pub(crate) use share::{Share, When};
-pub(crate) use slices::{Slice, Slices, Sweep};
+pub(crate) use slices::{Cut, Slice, Slices, Sweep};

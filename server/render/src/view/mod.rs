@@ -171,7 +171,7 @@ impl View {
         let slice = (work == Work::Sample && traces).then(|| self.next_slice(corrected));
         let samples = self.accumulation.samples() + slice.map_or(0, Slice::completed_samples);
         // Of the first sample its part counts, too: many frames may pass before it is whole.
-        let part = slice.map_or(0.0, |slice| slice.part(self.size().1));
+        let part = slice.map_or(0.0, Slice::part);
         let done = samples as f32 + if samples == 0 { part } else { 0.0 };
         Share {
             adds: work == Work::Sample,
@@ -185,20 +185,6 @@ impl View {
                 Work::Nothing | Work::Wait => false,
             },
             restarts: corrected && self.accumulation.is_new(),
-        }
-    }
-
-    fn next_slice(&self, corrected: bool) -> Slice {
-        let done = self.accumulation.samples();
-        let most = self.accumulation.most_samples(self.state.scene.render.stop);
-        let thinned = (corrected && self.accumulation.is_new())
-            .then(|| self.slices.thinned(self.size(), self.restart))
-            .flatten();
-        let slice = thinned.unwrap_or_else(|| self.slices.next(self.size(), done, most));
-        Slice {
-            shares_places: self.shares_places(),
-            cleared: corrected,
-            ..slice
         }
     }
 

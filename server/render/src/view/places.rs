@@ -1,9 +1,28 @@
-//! Where in their pixels the samples of a view lie.
+//! Where in the picture, and where in their pixels, the next samples of a view lie.
 
 use super::View;
-use crate::picture::spread_pairs;
+use crate::picture::{Cut, Slice, spread_pairs};
 
 impl View {
+    /// What of the picture is traced next.
+    pub(super) fn next_slice(&self, corrected: bool) -> Slice {
+        let done = self.accumulation.samples();
+        let most = self.accumulation.most_samples(self.state.scene.render.stop);
+        let cut = if corrected {
+            Cut::Spread {
+                is_new: self.accumulation.is_new(),
+                turn: self.restart,
+            }
+        } else {
+            Cut::Rows
+        };
+        Slice {
+            shares_places: self.shares_places(),
+            cleared: corrected,
+            ..self.slices.next(self.size(), done, most, cut)
+        }
+    }
+
     /// Which of its places in pixels and strata the technique looks at: others than in the pictures before,
     /// where those are carried over.
     pub(super) fn place_index(&self) -> u32 {

@@ -189,6 +189,9 @@ const SHORT_PASSES: u64 = 20;
 const MOST_FEW_LIGHTS: usize = 8;
 /// The same of media.
 const MOST_FEW_MEDIA: usize = 4;
+/// Share by which the channels of a grey medium's extinction may differ: it is the sum of rounded scattering and
+/// absorption, and another pipeline would be built, and be slower, for their last bits.
+const SAME_EXTINCTION: f32 = 1e-6;
 /// Stands for every larger number, which one pipeline serves; `MANY` in `scene.wesl`.
 const MANY: u32 = u32::MAX;
 
@@ -200,7 +203,11 @@ fn few(count: usize, most: usize) -> u32 {
 /// What pipelines are built for that follows from the scene and its number of emissive triangles.
 pub(crate) fn constants(scene: &Scene, facts: &SceneFacts, emitter_count: u32) -> Constants {
     let chromatic = |medium: &Medium| {
-        let grey = |rgb: [f32; 3]| rgb == [rgb[0]; 3];
+        let grey = |rgb: [f32; 3]| {
+            let apart = |channel: f32| (channel - rgb[0]).abs();
+            rgb.into_iter()
+                .all(|channel| apart(channel) <= SAME_EXTINCTION * rgb[0])
+        };
         let sigma_t: [f32; 3] = std::array::from_fn(|c| medium.sigma_s[c] + medium.sigma_a[c]);
         !grey(sigma_t)
     };
@@ -218,4 +225,44 @@ pub(crate) fn constants(scene: &Scene, facts: &SceneFacts, emitter_count: u32) -
         .flag("ISOTROPIC", !facts.anisotropic)
         .flag("SKY", facts.environment)
         .flag("MIXED_PHASES", scene.media.iter().any(mixed))
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn of(medium: &serde_json::Value) -> Constants {
+        let description = tyndall_scene::SceneDescription::from_json(
+            &json!({
+                "version": 1,
+                "camera": { "position": [0, 0, 3], "target": [0, 0, 0] },
+                "lights": [{ "kind": "environment", "radiance": 1 }],
+                "media": [medium],
+            })
+            .to_string(),
+        )
+        .expect("a description");
+        let scene = tyndall_scene::build(description, None)
+            .expect("valid")
+            .scene;
+        constants(&scene, &tyndall_scene::facts(&scene), 0)
+    }
+
+    #[test]
+    fn a_grey_medium_is_grey_however_its_coefficients_are_written() {
+        let (sigma_t, albedo) = (0.045, [0.93, 0.9, 0.85]);
+        let grey = of(&json!({ "kind": "homogeneous", "sigma_t": sigma_t, "albedo": albedo }));
+        // As the page writes it.
+        let sigma_s = albedo.map(|albedo| sigma_t * albedo);
+        let sigma_a = albedo.map(|albedo| sigma_t * (1.0 - albedo));
+        for scale in [1.0, 0.37, 3.3, 20.0] {
+            let medium = json!({ "kind": "homogeneous", "sigma_s": sigma_s, "sigma_a": sigma_a,
+                "density_scale": scale });
+            assert_eq!(of(&medium), grey, "{scale}");
+        }
+        let coloured = json!({ "kind": "homogeneous", "sigma_s": sigma_s, "sigma_a": 0.001 });
+        assert_ne!(of(&coloured), grey);
+    }
 }

@@ -6,6 +6,7 @@
 mod hello;
 mod read;
 mod steering;
+mod waiting;
 mod write;
 
 use std::sync::Arc;

@@ -9,10 +9,12 @@ use tokio::task::{JoinHandle, spawn_blocking};
 use tyndall_scene::{Loaded, SceneError};
 use tyndall_stream::pacing::Acknowledged;
 use tyndall_stream::protocol::{
-    ClientMessage, EditRequest, ErrorCode, ErrorMessage, OpenPreset, Resize, ServerMessage,
+    CameraUpdate, ClientMessage, EditRequest, ErrorCode, ErrorMessage, OpenPreset, Resize,
+    ServerMessage,
 };
 
 use super::steering::Steering;
+use super::waiting::{Waiting, WaitingEdit};
 use super::{Farewell, Stream, broken, error, hello};
 use crate::bell::lock;
 use crate::scenes::BuildError;
@@ -45,6 +47,8 @@ struct Reader<'a> {
     steering: Steering,
     /// Before which no further edit is made: edits get a share of the session's time.
     edit_from: Instant,
+    /// What came since, and is done then.
+    waiting: Waiting,
 }
 
 /// Reads until the client leaves or goes too far.
@@ -57,6 +61,7 @@ pub(super) async fn run(app: &Arc<App>, session: &Arc<Session>, stream: &mut Str
         next: None,
         steering: Steering::new(app, session),
         edit_from: Instant::now(),
+        waiting: Waiting::default(),
     };
     let silence = app.limits.ping_every * MAX_SILENT_PROBES;
     loop {
@@ -69,8 +74,13 @@ pub(super) async fn run(app: &Arc<App>, session: &Arc<Session>, stream: &mut Str
             navigation = reader.steering.known() => {
                 reader.push(ServerMessage::Navigation(navigation))
             }
+            () = tokio::time::sleep_until(reader.edit_from.into()), if reader.waiting.has_edit() => {
+                reader.make_waiting().await
+            }
         };
         if let Err(farewell) = outcome {
+            // What the client said before it left counts; nobody is left to be told.
+            reader.make_waiting().await.ok();
             return farewell;
         }
     }
@@ -161,20 +171,20 @@ impl Reader<'_> {
             ClientMessage::Hello(_) => {
                 return self.refuse(error(ErrorCode::Malformed, "hello was said before", None));
             }
-            ClientMessage::Camera(update) => {
-                let stopped = self.steering.stopped(&update);
-                let camera = stopped.map_or(update.camera, |stopped| stopped.camera);
-                let outcome = session.set_camera(update.input, camera, now);
-                self.answer(outcome, update.input)?;
-                if let Some(stopped) = stopped {
-                    session.outbox.set_camera(stopped);
-                }
+            ClientMessage::Camera(update) if self.waiting.has_edit() => {
+                self.waiting.keep_camera(&update);
             }
+            ClientMessage::Camera(update) => self.steer(&update, now)?,
             ClientMessage::Edit(request) => {
                 self.edit(request, now).await?;
             }
-            ClientMessage::OpenPreset(request) => self.open(request),
+            ClientMessage::OpenPreset(request) => {
+                // What waits is answered first.
+                self.make_waiting().await?;
+                self.open(request);
+            }
             ClientMessage::Resize(resize) => {
+                self.make_waiting().await?;
                 let Resize {
                     input,
                     width,
@@ -207,20 +217,61 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Changes the open scene on a blocking thread; what the client says next waits for it.
+    /// Moves the eye, as far as surfaces let it.
+    fn steer(&mut self, update: &CameraUpdate, now: Instant) -> Result<(), Farewell> {
+        let stopped = self.steering.stopped(update);
+        let camera = stopped.map_or(update.camera, |stopped| stopped.camera);
+        let outcome = self.session.set_camera(update.input, camera, now);
+        self.answer(outcome, update.input)?;
+        if let Some(stopped) = stopped {
+            self.session.outbox.set_camera(stopped);
+        }
+        Ok(())
+    }
+
+    /// Changes the open scene, at once or when the share of edits allows the next one.
     async fn edit(&mut self, request: EditRequest, now: Instant) -> Result<(), Farewell> {
-        let EditRequest { input, edit } = request;
+        if !self.waiting.takes(&request.edit) {
+            self.make_waiting().await?;
+        }
+        self.waiting.keep_edit(request, now);
+        if Instant::now() >= self.edit_from {
+            self.make_waiting().await?;
+        }
+        Ok(())
+    }
+
+    /// Makes the edit that waits, once its time has come, and then moves the camera that waits behind it.
+    async fn make_waiting(&mut self) -> Result<(), Farewell> {
+        let (edit, camera) = self.waiting.take();
+        if let Some(edit) = edit {
+            self.make(edit).await?;
+        }
+        if let Some(update) = camera {
+            self.steer(&update, Instant::now())?;
+        }
+        self.app.sessions.bell.ring();
+        Ok(())
+    }
+
+    /// Changes the open scene on a blocking thread; what the client says next waits for it.
+    async fn make(&mut self, waiting: WaitingEdit) -> Result<(), Farewell> {
+        let WaitingEdit {
+            request: EditRequest { input, edit },
+            first_input,
+            came,
+        } = waiting;
         let session = Arc::clone(self.session);
         tokio::time::sleep_until(self.edit_from.into()).await;
         let start = Instant::now();
-        let edited = spawn_blocking(move || session.edit(input, &edit, now)).await;
+        let edited = spawn_blocking(move || session.edit(input, &edit, came)).await;
         self.rest_after(start);
         match edited {
-            Ok(outcome) => self.answer(outcome, input),
+            Ok(outcome) => self.answer(outcome, first_input),
             Err(broken) => {
                 tracing::error!(session = self.session.id, %broken, "an edit broke off");
                 let message = "the edit broke off";
-                self.refuse(error(ErrorCode::Internal, message, Some(input)))
+                self.refuse(error(ErrorCode::Internal, message, Some(first_input)))
             }
         }
     }
