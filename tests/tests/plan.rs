@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use tyndall_render::{PlanLimits, plan};
-use tyndall_scene::{ShadowMode, facts, presets};
+use tyndall_scene::{ShadowMode, Technique, facts, presets};
 use tyndall_tests::gpu;
 
 fn planned(scene: &tyndall_scene::Scene) -> String {
@@ -51,6 +51,12 @@ fn work_that_a_scene_does_not_need_is_skipped() {
     insta::assert_snapshot!("traced", planned(&traced));
     traced.render.shadows.mode = ShadowMode::Off;
     insta::assert_snapshot!("shadows_off", planned(&traced));
+    let mut filtered = box_scene(&lamp, &fog);
+    filtered.render.technique = Technique::ScreenSpace;
+    insta::assert_snapshot!("screen_space", planned(&filtered));
+    let mut absorbing = box_scene(&lamp, &smoke);
+    absorbing.render.technique = Technique::ScreenSpace;
+    insta::assert_snapshot!("screen_space_absorption_only", planned(&absorbing));
     let empty = gpu::scene(&json!({
         "version": 1, "camera": { "position": [0, 0, 5], "target": [0, 0, 0] }, "lights": lamp, "media": fog,
     }));

@@ -5,6 +5,7 @@ import { Draft, normalised } from '../src/panel/draft';
 import { type LogRange, positionFromValue, valueFromPosition } from '../src/panel/log_scale';
 import type { SceneDescription, SceneEdit } from '../src/protocol.gen';
 import { pictureSize } from '../src/size';
+import { RENDER } from './render_settings';
 
 const SCENE: SceneDescription = {
   version: 1,
@@ -30,21 +31,7 @@ const SCENE: SceneDescription = {
       radius: 1,
     },
   ],
-  render: {
-    technique: 'single_scattering',
-    width: 640,
-    height: 360,
-    seed: 0,
-    reference: { medium_order: 'all' },
-    single_scattering: {
-      steps: 32,
-      jitter: true,
-      interleave: 1,
-      half_resolution: false,
-      equiangular: false,
-    },
-    shadows: { mode: 'mapped', resolution: 1024 },
-  },
+  render: RENDER,
 };
 
 describe('logarithmic slider', () => {

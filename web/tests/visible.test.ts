@@ -4,6 +4,7 @@ import { densityFactor, isOwn, ownValues, restoreOwn, setDensityFactor } from '.
 import type { MediumDescription, SceneDescription } from '../src/protocol.gen';
 import { unsaved, withKept } from '../src/resume';
 import { judge, sharesOf } from '../src/visible';
+import { RENDER } from './render_settings';
 
 /** Pixels of one value each, opaque. */
 const pixels = (values: readonly (readonly [number, number, number])[]) =>
@@ -67,21 +68,7 @@ const scene = (exposure_ev: number, densities: number[]): SceneDescription => ({
   geometry: [],
   lights: [],
   media: densities.map(medium),
-  render: {
-    technique: 'single_scattering',
-    width: 640,
-    height: 360,
-    seed: 0,
-    reference: { medium_order: 'all' },
-    single_scattering: {
-      steps: 32,
-      jitter: true,
-      interleave: 1,
-      half_resolution: false,
-      equiangular: false,
-    },
-    shadows: { mode: 'mapped', resolution: 1024 },
-  },
+  render: RENDER,
 });
 
 describe("the scene's own values", () => {

@@ -44,18 +44,18 @@ pub struct Layout {
 
 mod correction;
 mod frame;
+mod in_scatter;
 mod reference;
 mod scene;
 mod screen_space;
-mod single_scattering;
 mod stages;
 
 pub use correction::*;
 pub use frame::*;
+pub use in_scatter::*;
 pub use reference::*;
 pub use scene::*;
 pub use screen_space::*;
-pub use single_scattering::*;
 pub use stages::*;
 
 /// Name, size and (field, offset) of every mirror, for the layout test.
@@ -66,7 +66,7 @@ pub fn layouts() -> Vec<Layout> {
         reference::layouts(),
         scene::layouts(),
         screen_space::layouts(),
-        single_scattering::layouts(),
+        in_scatter::layouts(),
         stages::layouts(),
     ]
     .concat()

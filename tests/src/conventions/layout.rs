@@ -38,21 +38,17 @@ pub fn technique_names(paths: &[&str]) -> (BTreeSet<String>, BTreeSet<String>) {
     (rust, wesl)
 }
 
-/// A technique has one name: its Rust file and its shader folder are called the same.
+/// A technique has one name: its Rust folder and its shader folder are called the same. One that is made of
+/// stages alone has no shaders.
 pub fn technique_pairs(paths: &[&str]) -> Vec<Finding> {
     let (rust, wesl) = technique_names(paths);
-    let lone = |have: &BTreeSet<String>, others: &BTreeSet<String>, folder: &str, wanted: &str| {
-        have.difference(others)
-            .map(|name| Finding {
-                path: format!("{folder}{name}"),
-                line: 0,
-                message: format!("technique `{name}` has no counterpart in {wanted}"),
-            })
-            .collect::<Vec<_>>()
-    };
-    let mut findings = lone(&rust, &wesl, RUST_TECHNIQUES, WESL_TECHNIQUES);
-    findings.extend(lone(&wesl, &rust, WESL_TECHNIQUES, RUST_TECHNIQUES));
-    findings
+    wesl.difference(&rust)
+        .map(|name| Finding {
+            path: format!("{WESL_TECHNIQUES}{name}"),
+            line: 0,
+            message: format!("technique `{name}` has no counterpart in {RUST_TECHNIQUES}"),
+        })
+        .collect()
 }
 
 static PATH_STEP: LazyLock<Regex> =

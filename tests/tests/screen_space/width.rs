@@ -50,7 +50,7 @@ fn splats_and_gathered_kernels_are_as_wide_as_the_formulas_say() {
         (2e-4, 0.5),
         (1e-3, 0.3),
         (4e-3, 0.8),
-        (2e-3, 0.0),
+        (1e-4, 0.999),
     ] {
         for spread in [SpreadModel::Premoze, SpreadModel::ExactMoments] {
             let tau: f64 = 10.0 * sigma_s;
@@ -59,6 +59,10 @@ fn splats_and_gathered_kernels_are_as_wide_as_the_formulas_say() {
                 SpreadModel::ExactMoments => exact(tau * (1.0 - g), tau * (1.0 - g * g), tau),
             };
             let wanted = PIXELS * relative.sqrt();
+            // Wider than the picture, and minutes of exact kernels.
+            if wanted > 20.0 {
+                continue;
+            }
             for filter in [ScreenSpaceFilter::Splat, ScreenSpaceFilter::Gather] {
                 let mut scene = with_filter(&narrow(&square, &fog(sigma_s, 0.0, g)), filter);
                 scene.render.screen_space.spread = spread;
@@ -68,7 +72,9 @@ fn splats_and_gathered_kernels_are_as_wide_as_the_formulas_say() {
                     "{spread:?} {filter:?} σ_s {sigma_s}, g {g}: {width:.3} px for {wanted:.3}"
                 );
                 // A picture 64 pixels wide holds this much of a Gaussian.
-                if wanted < 9.0 {
+                // Kernels on the lattice of pixels are narrower than their pixels only by name.
+                let told = filter == ScreenSpaceFilter::Splat || wanted > 0.6;
+                if wanted < 10.0 && told {
                     assert!((width / wanted - 1.0).abs() < 0.03, "{width} for {wanted}");
                 }
                 assert!(sum > 0.0);

@@ -69,16 +69,7 @@ export class Draft {
   private overwrite({ camera, lights, media, render }: Editable): void {
     const kept = this.description;
     Object.assign(kept.camera, camera);
-    const parts = [
-      kept.render.shadows,
-      kept.render.single_scattering,
-      kept.render.screen_space,
-    ] as const;
-    const [shadows, single_scattering, screen_space] = parts;
-    Object.assign(shadows, render.shadows);
-    Object.assign(single_scattering, render.single_scattering);
-    Object.assign(screen_space, render.screen_space);
-    Object.assign(kept.render, render, { shadows, single_scattering, screen_space });
+    takeInto(kept.render, render);
     for (const [index, light] of lights.entries()) Object.assign(kept.lights[index] ?? {}, light);
     for (const [index, medium] of media.entries()) Object.assign(kept.media[index] ?? {}, medium);
   }
@@ -88,6 +79,20 @@ export class Draft {
     const { camera, lights, media, render } = structuredClone(this.description);
     return { exposure_ev: camera.exposure_ev, lights, media, render };
   }
+}
+
+/** Takes over values one by one: objects that both have stay the target's own. */
+function takeInto(target: object, source: object): void {
+  const own = target as Record<string, unknown>;
+  for (const [key, value] of Object.entries(source)) {
+    const kept = own[key];
+    if (isRecord(kept) && isRecord(value)) takeInto(kept, value);
+    else own[key] = value;
+  }
+}
+
+function isRecord(value: unknown): value is object {
+  return typeof value === 'object' && value !== null && !Array.isArray(value);
 }
 
 /** Coefficients as σ_s and σ_a per channel, whichever pair the scene was written with. */

@@ -19,7 +19,6 @@ import { addLight } from './light';
 import { addMedium } from './medium';
 import { addQuality, addTechnique } from './render';
 import { addButton, addReadout, addSelect, addSlider } from './rows';
-import { addScreenSpace } from './screen_space';
 import { addTime, type TimeFolder } from './time';
 import './panel.css';
 
@@ -122,14 +121,7 @@ export class Panel {
         ? null
         : addTime(gui.addFolder('Time'), clock, (edit) => this.events.onEdit(edit));
     const image = gui.addFolder('Image');
-    const filter = image.addFolder('Screen space');
-    const showFilter = () => filter.show(description.render.technique === 'screen_space');
-    addScreenSpace(filter, description.render.screen_space, () => draft.changed('render'));
-    addTechnique(image, description.render, () => {
-      showFilter();
-      draft.changed('render');
-    });
-    showFilter();
+    addTechnique(image, description.render, () => draft.changed('render'));
     const exposure = field(
       () => description.camera.exposure_ev,
       (value) => draft.setExposure(value),

@@ -6,6 +6,7 @@ import type { CorrectionMode, RenderDescription, ShadowMode, Technique } from '.
 import type { ResolutionScale } from '../size';
 import { type Field, field } from './field';
 import { addCheckbox, addSelect, addSlider } from './rows';
+import { addScreenSpace } from './screen_space';
 
 const TECHNIQUES: readonly Technique[] = [
   'auto',
@@ -28,6 +29,7 @@ export function addTechnique(folder: GUI, render: RenderDescription, changed: ()
     () => render.technique,
     (value) => {
       render.technique = value;
+      show();
       changed();
     },
   );
@@ -36,6 +38,10 @@ export function addTechnique(folder: GUI, render: RenderDescription, changed: ()
     return { value, label: words(value) + (disabled ? ' – not rendered yet' : ''), disabled };
   });
   addSelect(folder, technique, 'Technique', options);
+  const filter = folder.addFolder(words('screen_space'));
+  addScreenSpace(filter, render.screen_space, changed);
+  const show = () => filter.show(render.technique === 'screen_space');
+  show();
 }
 
 export function addQuality(

@@ -4,6 +4,7 @@
 pub(crate) mod area_lights;
 pub(crate) mod estimate;
 pub(crate) mod film;
+pub(crate) mod in_scatter;
 pub(crate) mod light_volume;
 pub(crate) mod shadow_maps;
 pub(crate) mod surfaces;

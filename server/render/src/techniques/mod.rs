@@ -5,7 +5,6 @@
 //! only list of techniques there is in this crate.
 
 mod claim;
-mod first_order;
 pub(crate) mod reference;
 mod rung;
 mod screen_space;

@@ -19,10 +19,10 @@ mod passes;
 use tyndall_scene::{Scene, ScreenSpaceFilter, ShadowMode};
 
 use super::technique::Technique;
-use super::{Claim, Paths, Rung, first_order};
+use super::{Claim, Paths, Rung};
 use crate::frame::{FramePlan, PlanInput};
 use crate::stages::surfaces::Place;
-use crate::stages::{area_lights, film, light_volume, surfaces, visibility};
+use crate::stages::{area_lights, film, in_scatter, light_volume, surfaces, visibility};
 
 /// The technique.
 pub(super) struct ScreenSpace;
@@ -70,18 +70,18 @@ impl Technique for ScreenSpace {
         };
         surfaces::plan_shade(plan, input, place);
         let area = area_lights::plan(plan, input, place);
-        let in_scatter = input.settings.screen_space.in_scatter;
+        let scatters_lights = input.settings.screen_space.in_scatter;
         // What the film adds of area lights: all of it, or what the media scatter of them.
         let area = if place == Place::Surface {
-            let wanted = in_scatter.then(|| area_lights::plan_media(plan, input));
+            let wanted = scatters_lights.then(|| area_lights::plan_media(plan, input));
             let in_media = wanted.flatten();
             passes::plan(plan, input, area, in_media.is_some());
             in_media
         } else {
             area
         };
-        let of_lights = if in_scatter {
-            first_order::plan(plan, input)
+        let of_lights = if scatters_lights {
+            in_scatter::plan(plan, input)
         } else {
             plan.skip(filter::PASS, "in_scatter", "off: media only glow");
             None

@@ -1,30 +1,43 @@
-//! Plans the march, and the gathering of what pixels share of it.
+//! Light of lights that the media scatter exactly once toward the eye, by marching the camera ray.
+//!
+//! Source: Tóth and Umenhoffer 2009, with the corrections of `wesl/stages/in_scatter/march.wesl`.
+//! Transports order 1 of the partition from point, spot and directional lights, and the media's own
+//! emission. Bias: none with jitter in analytic media (unbiased in the ray parameter); without it the
+//! midpoint rule's, second order in the step. Density grids add the trapezoid rule of their optical
+//! depth and the spacing of the light volume, both second order; interleaving adds what is left of
+//! its window's blur, of the fourth order but at edges; half resolution what is left of a parabola
+//! between marched pixels, of the fourth order but at edges; shadow maps their resolution's. Cost: steps ×
+//! lights × media a pixel, a M²-th of it interleaved, a quarter at half resolution. The technique
+//! `single_scattering` is this and the light of surfaces; others show it beside orders of their own.
+
+mod gather;
+mod march;
 
 use tyndall_shaders::types::MarchSettings;
 
-use super::gather::{self, Gather};
-use super::march::March;
+use super::film::Layer;
+use super::surfaces::depth;
 use crate::engine::{Bytes, Permutation, ResourceSpec};
 use crate::frame::{Dispatch, FramePlan, NewPass, PassId, PlanInput, Programs, Reach};
-use crate::stages::film::Layer;
-use crate::stages::surfaces::depth;
+use gather::Gather;
+use march::March;
 
 /// Light scattered once in the media.
-pub(super) const MARCH: PassId = PassId("single_scattering");
+pub(crate) const MARCH: PassId = PassId("single_scattering");
 
 /// Radiance (W·m⁻²·sr⁻¹), whole; alpha as in `low_resolution/distance_share.wesl`.
-pub(super) const IN_SCATTER: ResourceSpec =
+const IN_SCATTER: ResourceSpec =
     ResourceSpec::texture("in_scattered_radiance", wgpu::TextureFormat::Rgba32Float);
 
 /// The march's settings on the device.
-pub(super) const SETTINGS: ResourceSpec = ResourceSpec::buffer(
+const SETTINGS: ResourceSpec = ResourceSpec::buffer(
     "march_settings",
     Bytes::Fixed(size_of::<MarchSettings>() as u64),
 )
 .kept();
 
 /// Plans what there is to march; what it adds to the film, if anything.
-pub(super) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer> {
+pub(crate) fn plan(plan: &mut FramePlan, input: &PlanInput<'_>) -> Option<Layer> {
     if let Some(reason) = nothing_to_march(input) {
         plan.skip(MARCH, "", reason);
         plan.skip(gather::PASS, "", "nothing is marched");
