@@ -39,7 +39,7 @@ fn the_default_filter_is_within_seven_percent_of_exact_kernels_on_presets() {
 fn pan(scene: &Scene) -> Vec<Still> {
     let camera = &scene.camera;
     let ahead = camera.target - camera.position;
-    let right = ahead.cross(camera.up.as_dvec3()).normalize() * ahead.length();
+    let right = ahead.cross(camera.up.as_dvec3()).normalize_or_zero() * ahead.length();
     (0..4)
         .map(|frame| {
             let mut moved = scene.clone();

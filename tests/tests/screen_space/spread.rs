@@ -2,7 +2,7 @@
 
 use tyndall_tests::gpu;
 
-/// W²/D² by Premože's formula and by the exact moments, of (τ_κ, τ₂, τ_s, τ_a).
+/// W²/D² by Premože's formula and by the exact moments, of `(τ_κ, τ₂, τ_s, τ_a)`.
 fn on_device(inputs: &[[f32; 4]]) -> Vec<[f32; 4]> {
     let device = gpu::device();
     let bytes = bytemuck::cast_slice(inputs);

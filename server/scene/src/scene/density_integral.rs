@@ -140,8 +140,8 @@ mod tests {
         for falloff in [0.0_f32, 1e-9, 1e-3, 0.3, 1.0, 30.0, 1e3] {
             for tilt in [0.0, 1e-12, 1e-7, 1e-3, 0.4, 1.0, -1e-7, -0.4, -1.0] {
                 for height in [-2.0, 0.0, 0.5, 40.0] {
-                    let direction =
-                        (across * f64::sqrt(1.0 - tilt * tilt) + up.as_dvec3() * tilt).normalize();
+                    let direction = (across * f64::sqrt(1.0 - tilt * tilt) + up.as_dvec3() * tilt)
+                        .normalize_or_zero();
                     let origin = up.as_dvec3() * height / f64::from(falloff.max(1.0));
                     let length = 7.0 / f64::from(falloff.max(1.0)).sqrt();
                     let shape = fog(up.as_dvec3(), falloff, DVec3::ZERO);

@@ -9,6 +9,10 @@ use ts_rs::TS;
 /// Settings of the `screen_space` filter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema, TS)]
 #[serde(rename = "ScreenSpace", deny_unknown_fields, default)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "independent remedies, not the states of a machine"
+)]
 pub struct ScreenSpaceSettings {
     /// How scattered light is spread over the picture.
     pub filter: ScreenSpaceFilter,

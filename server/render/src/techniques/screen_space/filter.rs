@@ -105,7 +105,7 @@ impl Pass for Filter {
         };
         let constants = planned.constants(parts);
         let shared = planned.bindings(parts)?;
-        let finest = at_level(&shared, &kept.levels[0]);
+        let finest = at_level(&shared, &kept.steps[0]);
         recording
             .encoder
             .clear_buffer(parts.buffer(&EXTENT)?, 0, None);
@@ -123,7 +123,7 @@ impl Pass for Filter {
             return Ok(());
         }
         let links: Vec<_> = self
-            .steps(&kept.levels)
+            .steps(&kept.steps)
             .into_iter()
             .map(|(program, level, size)| Link {
                 program,

@@ -28,7 +28,7 @@ pub(super) struct Levels {
     size: [u32; 2],
     kept_for: ScreenSpaceSettings,
     /// Each with the next coarser one, the finest first; at least one.
-    pub levels: Arc<Vec<Level>>,
+    pub steps: Arc<Vec<Level>>,
     /// The same, in one buffer.
     all: wgpu::Buffer,
     /// Of the gathering filter, otherwise empty.
@@ -80,7 +80,7 @@ impl Levels {
         Self {
             size,
             kept_for: settings,
-            levels: Arc::new(values.iter().map(level).collect()),
+            steps: Arc::new(values.iter().map(level).collect()),
             all,
             rows: Arc::new(rows),
             row_iterations,
@@ -104,7 +104,7 @@ impl Kept for Levels {
             return Ok(Box::new(Self {
                 size: self.size,
                 kept_for: settings,
-                levels: Arc::clone(&self.levels),
+                steps: Arc::clone(&self.steps),
                 all: self.all.clone(),
                 rows: Arc::clone(&self.rows),
                 row_iterations: self.row_iterations,
