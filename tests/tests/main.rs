@@ -28,4 +28,5 @@ mod samplers;
 mod shader_functions;
 mod shader_geometry;
 mod single_scattering;
+mod stills;
 mod surface_truths;

@@ -260,7 +260,7 @@ fn render_writes_a_png_of_the_asked_size() {
 fn render_refuses_what_it_cannot_write_before_rendering() {
     refused(
         &["render", "cornell_fog", "-o", "picture.tiff"],
-        &["picture.tiff", ".exr or .png"],
+        &["picture.tiff", ".exr, .png or .jpg"],
     );
     refused(
         &["render", "cornell_fog", "-o", "no/such/folder/x.png"],

@@ -2,9 +2,9 @@
 //!
 //! The names follow `OpenEXR`'s convention of `layer.channel`, so viewers group them.
 
+use std::io::Cursor;
 use std::path::Path;
 
-use exr::error::Error;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
     Text, Vec2, WritableImage as _,
@@ -15,9 +15,18 @@ use crate::{Layers, Metadata, PictureError};
 /// Writes `layers` and `metadata` to `path`, lossless.
 ///
 /// # Errors
-/// [`PictureError::Layer`] if a plane has another size, [`PictureError::Io`] or
-/// [`PictureError::Content`] if the file can't be written.
+/// As [`encode_exr`], and [`PictureError::Io`].
 pub fn write_exr(path: &Path, layers: &Layers, metadata: &Metadata) -> Result<(), PictureError> {
+    let bytes = encode_exr(layers, metadata)?;
+    std::fs::write(path, bytes).map_err(|source| PictureError::io(path, source))
+}
+
+/// The bytes of a file with `layers` and `metadata`, lossless.
+///
+/// # Errors
+/// [`PictureError::Layer`] if a plane has another size, [`PictureError::Content`] if the picture can't be
+/// encoded.
+pub fn encode_exr(layers: &Layers, metadata: &Metadata) -> Result<Vec<u8>, PictureError> {
     layers.check()?;
     let mut channels = Channels::default();
     channels.rgb(["R", "G", "B"], Some(&layers.beauty));
@@ -50,13 +59,12 @@ pub fn write_exr(path: &Path, layers: &Layers, metadata: &Metadata) -> Result<()
         Encoding::FAST_LOSSLESS,
         AnyChannels::sort(channels.0.into_iter().collect()),
     );
+    let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()
-        .to_file(path)
-        .map_err(|error| match error {
-            Error::Io(source) => PictureError::io(path, source),
-            other => PictureError::content(path, other),
-        })
+        .to_buffered(&mut bytes)
+        .map_err(|error| PictureError::content(Path::new("OpenEXR"), error))?;
+    Ok(bytes.into_inner())
 }
 
 /// The format's text has one byte a character: others become question marks.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use tyndall_files::regular::{self, ReadError};
+use tyndall_files::relative::why_not_relative;
 
 use crate::error::{SceneError, abbreviate};
 use crate::limits::Limits;
@@ -22,30 +23,6 @@ pub(crate) fn check_relative(path: &str, file: &str) -> Result<(), SceneError> {
             "a relative path inside the scene's folder",
         )),
     }
-}
-
-/// Why `file` is no plain relative path, if so.
-pub(crate) fn why_not_relative(file: &str) -> Option<&'static str> {
-    if file.is_empty() {
-        return Some("which is empty");
-    }
-    if file.chars().any(char::is_control) {
-        return Some("which has a control character");
-    }
-    if file.starts_with('/') || file.starts_with('\\') {
-        return Some("which is absolute");
-    }
-    // A colon starts a URI scheme, a drive or an alternate stream; a backslash hides separators.
-    if file.contains(':') {
-        return Some("which has a scheme or a drive");
-    }
-    if file.contains('\\') {
-        return Some("which has a backslash");
-    }
-    if file.split('/').any(|part| part == "..") {
-        return Some("which leaves the folder by '..'");
-    }
-    None
 }
 
 /// The folder that all files of a scene lie in, with a budget of bytes to read from it.

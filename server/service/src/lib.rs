@@ -39,6 +39,7 @@ pub mod server;
 mod session;
 mod sessions;
 mod socket;
+mod stills;
 mod telemetry;
 mod watchdog;
 

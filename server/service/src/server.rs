@@ -25,6 +25,7 @@ use crate::render_thread::{self, Readiness};
 use crate::routes;
 use crate::scenes::Scenes;
 use crate::sessions::Sessions;
+use crate::stills::Desk;
 use crate::telemetry;
 use crate::watchdog::watch;
 
@@ -83,10 +84,11 @@ pub async fn serve_on<B: Backend + 'static>(
     let limits = options.limits;
     let sessions = Arc::new(Sessions::new(limits.max_sessions, limits.resume_for));
     let readiness = Arc::new(Readiness::default());
+    let desk = Arc::new(Desk::new(Arc::clone(&sessions)));
     let encoders = EncoderPool::start(limits.encoder_threads, &readiness)?;
     let (render_thread, adapter) = render_thread::start(
         open,
-        Arc::clone(&sessions),
+        (Arc::clone(&sessions), Arc::clone(&desk)),
         encoders,
         Arc::clone(&readiness),
         shutdown.clone(),

@@ -32,6 +32,8 @@ pub(crate) struct Slices {
     /// Pixel samples of the last dispatch that was measured.
     last_units: f64,
     next_row: u32,
+    /// Whether every sweep takes every pixel, whatever the budget.
+    whole: bool,
     batch: u32,
     /// Counts the sweeps.
     sweep: u32,
@@ -110,6 +112,7 @@ impl Slices {
             cost: None,
             last_units: FIRST_UNITS / GROWTH,
             next_row: 0,
+            whole: false,
             batch: 1,
             sweep: 0,
         }
@@ -120,6 +123,11 @@ impl Slices {
         let before = self.budget;
         self.budget = before.max(STILL_BUDGET);
         before
+    }
+
+    /// Whether every sweep takes every pixel: a still's bits must not depend on the budget.
+    pub fn keep_whole(&mut self, whole: bool) {
+        self.whole = whole;
     }
 
     /// Changes the longest dispatch.
@@ -145,7 +153,7 @@ impl Slices {
     pub fn thinned(&self, (width, height): (u32, u32), turn: u32) -> Option<Slice> {
         let whole = f64::from(width) * f64::from(height);
         let wanted = (whole / self.affordable()).sqrt().ceil() as u32;
-        if wanted <= 1 || self.budget >= STILL_BUDGET {
+        if wanted <= 1 || self.whole || self.budget >= STILL_BUDGET {
             return None;
         }
         let stride = wanted.min(MAX_STRIDE).min(width).min(height);
