@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tyndall_render::{RenderOutcome, Renderer};
+use tyndall_render::{RenderOutcome, Renderer, Still};
 use tyndall_scene::{CorrectionMode, Loaded, StopRule, Technique, presets};
 use tyndall_still::{FinishedStill, Format, Output, Step, StillTask, encode};
 use tyndall_tests::gpu;
@@ -20,7 +20,7 @@ fn small(technique: Technique, correction: CorrectionMode, samples: u32) -> Load
 }
 
 /// The files of a still in every format.
-fn files(still: tyndall_render::Still, loaded: &Loaded, renderer: &Renderer) -> Vec<Vec<u8>> {
+fn files(still: Still, loaded: &Loaded, renderer: &Renderer) -> Vec<Vec<u8>> {
     let (description, scene) = (&loaded.description, &loaded.scene);
     let adapter = renderer.adapter();
     let names = (adapter.name.as_str(), adapter.driver.as_str());
@@ -29,8 +29,29 @@ fn files(still: tyndall_render::Still, loaded: &Loaded, renderer: &Renderer) -> 
     Format::ALL.into_iter().map(file).collect()
 }
 
+/// The names of the planes that differ in any bit.
+fn differing(a: &Still, b: &Still) -> Vec<&'static str> {
+    let bits = |pixels: &[[f32; 4]]| -> Vec<[u32; 4]> {
+        pixels.iter().map(|p| p.map(f32::to_bits)).collect()
+    };
+    let planes = [
+        ("radiance", bits(&a.radiance) == bits(&b.radiance)),
+        ("base", a.base == b.base),
+        ("traced", a.traced == b.traced),
+        ("square_error", a.square_error == b.square_error),
+        ("variance", a.variance == b.variance),
+        ("samples", a.samples_per_pixel == b.samples_per_pixel),
+        ("depth", a.depth == b.depth),
+        ("normal", a.normal == b.normal),
+        ("albedo", a.albedo == b.albedo),
+        ("displayed", a.frame.rgba == b.frame.rgba),
+    ];
+    let planes = planes.into_iter().filter(|(_, equal)| !equal);
+    planes.map(|(name, _)| name).collect()
+}
+
 /// The still of a task that gets a millisecond at a time, between frames of another picture.
-fn in_company(renderer: &mut Renderer, loaded: &Loaded) -> tyndall_render::Still {
+fn in_company(renderer: &mut Renderer, loaded: &Loaded) -> Still {
     let mut other = small(
         Technique::SingleScattering,
         CorrectionMode::Always,
@@ -79,9 +100,11 @@ fn a_still_in_steps_beside_other_pictures_has_the_same_bits() {
         let mut told = 0;
         let still = task.run(&mut alone, |_| told += 1).unwrap();
         assert!(told > 0);
+        let stepped = in_company(&mut shared, &loaded);
+        let found = differing(&still, &stepped);
+        assert!(found.is_empty(), "{technique:?} {correction:?}: {found:?}");
         let expected = files(still, &loaded, &alone);
-        let still = in_company(&mut shared, &loaded);
-        let found = files(still, &loaded, &shared);
+        let found = files(stepped, &loaded, &shared);
         for ((expected, found), format) in expected.iter().zip(&found).zip(Format::ALL) {
             assert!(expected == found, "{technique:?} {correction:?} {format:?}");
         }

@@ -48,7 +48,7 @@ fn help_names_every_command() {
     let output = tyndall(&["--help"]);
     assert!(output.status.success());
     for command in [
-        "serve", "render", "compare", "plan", "check", "adapters", "bench",
+        "serve", "render", "submit", "compare", "plan", "check", "adapters", "bench",
     ] {
         assert!(text(&output).contains(command), "{command}");
     }

@@ -6,9 +6,11 @@ use std::path::Path as FilePath;
 use std::sync::Arc;
 
 use bytes::Bytes;
+use futures_util::stream::BoxStream;
+use futures_util::{StreamExt as _, TryStreamExt as _};
 use object_store::local::LocalFileSystem;
 use object_store::path::Path;
-use object_store::{Error, ObjectStore, ObjectStoreExt as _, PutMode, PutOptions};
+use object_store::{Error, GetOptions, ObjectStore, ObjectStoreExt as _, PutMode, PutOptions};
 use sha2::{Digest as _, Sha256};
 
 use crate::state::StoredObject;
@@ -103,6 +105,24 @@ impl Results {
         let got = self.store.get(&Path::from(key)).await;
         let got = got.map_err(|error| failed(key, &error))?;
         got.bytes().await.map_err(|error| failed(key, &error))
+    }
+
+    /// Part of an object, piece by piece.
+    ///
+    /// # Errors
+    /// [`ResultsError::Missing`] and [`ResultsError::Store`].
+    pub async fn stream(
+        &self,
+        key: &str,
+        range: Range<u64>,
+    ) -> Result<BoxStream<'static, io::Result<Bytes>>, ResultsError> {
+        if range.is_empty() {
+            return Ok(futures_util::stream::empty().boxed());
+        }
+        let options = GetOptions::new().with_range(Some(range));
+        let got = self.store.get_opts(&Path::from(key), options).await;
+        let got = got.map_err(|error| failed(key, &error))?;
+        Ok(got.into_stream().map_err(io::Error::other).boxed())
     }
 
     /// Part of an object.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
-use std::io::{self, Cursor, Read, Write as _};
+use std::io::{self, Read, Seek, Write as _};
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
@@ -177,20 +177,24 @@ impl Upload {
         })
     }
 
-    /// Unpacks a zip file that is held whole.
+    /// Unpacks a zip file of `length` bytes.
     ///
     /// # Errors
     /// [`UploadError`] at the first entry that is unfit.
-    pub fn unpack(&mut self, archive: &[u8]) -> Result<(), UploadError> {
-        let most = (archive.len() as u64)
+    pub fn unpack(
+        &mut self,
+        archive: impl Read + Seek + Send,
+        length: u64,
+    ) -> Result<(), UploadError> {
+        let most = length
             .saturating_mul(MOST_INFLATION)
             .saturating_add(FREE_BYTES);
         guarded("zip", || self.unpack_at_most(archive, most))?
     }
 
-    fn unpack_at_most(&mut self, archive: &[u8], most: u64) -> Result<(), UploadError> {
+    fn unpack_at_most(&mut self, archive: impl Read + Seek, most: u64) -> Result<(), UploadError> {
         let broken = |error: ZipError| UploadError::Archive(error.to_string());
-        let mut archive = ZipArchive::new(Cursor::new(archive)).map_err(broken)?;
+        let mut archive = ZipArchive::new(archive).map_err(broken)?;
         let before = self.bytes;
         for index in 0..archive.len() {
             let mut entry = archive.by_index(index).map_err(broken)?;
@@ -261,6 +265,8 @@ impl Receiving<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
     use zip::write::{SimpleFileOptions, ZipWriter};
 
@@ -290,6 +296,10 @@ mod tests {
         writer.finish().unwrap().into_inner()
     }
 
+    fn unpack(upload: &mut Upload, archive: &[u8]) -> Result<(), UploadError> {
+        upload.unpack(Cursor::new(archive), archive.len() as u64)
+    }
+
     #[test]
     fn files_lie_where_their_names_say_and_content_is_names_and_bytes() {
         let folder = tempfile::tempdir().unwrap();
@@ -297,7 +307,7 @@ mod tests {
         add(&mut one, "scene.json", b"{}").unwrap();
         add(&mut one, "maps/sky.exr", b"sky").unwrap();
         let zipped = archive(&[("maps/sky.exr", b"sky"), ("scene.json", b"{}")]);
-        two.unpack(&zipped).unwrap();
+        unpack(&mut two, &zipped).unwrap();
         assert_eq!(one.content(), two.content());
         let sky = std::fs::read(two.folder().join("maps/sky.exr")).unwrap();
         assert_eq!(sky, b"sky");
@@ -329,7 +339,7 @@ mod tests {
                 "{name:?}: {refused:?}"
             );
         }
-        let outside = upload.unpack(&archive(&[("../../a", b"x")]));
+        let outside = unpack(&mut upload, &archive(&[("../../a", b"x")]));
         assert!(
             matches!(outside, Err(UploadError::Name { .. })),
             "{outside:?}"
@@ -338,7 +348,7 @@ mod tests {
         let options = SimpleFileOptions::default();
         writer.add_symlink("link", "/etc/passwd", options).unwrap();
         let link = writer.finish().unwrap().into_inner();
-        let refused = upload.unpack(&link);
+        let refused = unpack(&mut upload, &link);
         assert!(
             matches!(refused, Err(UploadError::Name { .. })),
             "{refused:?}"
@@ -372,13 +382,13 @@ mod tests {
         )
         .unwrap();
         let zeros = vec![0; 96 << 20];
-        let refused = bomb.unpack(&archive(&[("zeros", &zeros)]));
+        let refused = unpack(&mut bomb, &archive(&[("zeros", &zeros)]));
         assert!(
             matches!(refused, Err(UploadError::TooLarge { .. })),
             "{refused:?}"
         );
         assert!(matches!(
-            bomb.unpack(b"PK no zip"),
+            unpack(&mut bomb, b"PK no zip"),
             Err(UploadError::Archive(_))
         ));
     }

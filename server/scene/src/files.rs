@@ -1,8 +1,10 @@
 //! Files of a scene: nothing outside the scene's folder is ever opened.
 
+use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use tyndall_files::regular::{self, ReadError};
 use tyndall_files::relative::why_not_relative;
@@ -31,6 +33,8 @@ pub(crate) struct Folder<'a> {
     root: Option<PathBuf>,
     limits: &'a Limits,
     bytes_read: AtomicU64,
+    /// Every file that was found, by its name in the folder.
+    found: Mutex<BTreeSet<String>>,
 }
 
 impl<'a> Folder<'a> {
@@ -46,6 +50,7 @@ impl<'a> Folder<'a> {
             root,
             limits,
             bytes_read: AtomicU64::new(0),
+            found: Mutex::default(),
         })
     }
 
@@ -73,7 +78,22 @@ impl<'a> Folder<'a> {
             ));
         }
         regular::check(&real.metadata().map_err(io)?).map_err(io)?;
+        self.note(file);
         Ok(real)
+    }
+
+    fn note(&self, file: &str) {
+        let mut found = self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        let parts = file
+            .split('/')
+            .filter(|part| !part.is_empty() && *part != ".");
+        found.insert(parts.collect::<Vec<_>>().join("/"));
+    }
+
+    /// The files that were found, by their names in the folder.
+    pub(crate) fn found(&self) -> Vec<String> {
+        let found = self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        found.iter().cloned().collect()
     }
 
     /// Checks that a file beside a located one, which a reader may open, doesn't leave the folder.
@@ -90,8 +110,13 @@ impl<'a> Folder<'a> {
                     "a file inside the scene's folder",
                 ))
             }
+            Ok(_inside) => {
+                let name = companion.strip_prefix(root).ok().and_then(Path::to_str);
+                name.into_iter().for_each(|name| self.note(name));
+                Ok(())
+            }
             // Absent ones are the reader's concern.
-            _ => Ok(()),
+            Err(_absent) => Ok(()),
         }
     }
 

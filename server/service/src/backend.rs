@@ -83,7 +83,8 @@ pub trait Backend {
     fn is_converged(&self, view: &Self::View) -> bool;
     /// A still of `scene`, of which nothing is begun.
     fn new_still(&self, scene: Arc<Scene>) -> Self::Still;
-    /// Does one step of a still without waiting, whose traced samples take `budget` at most.
+    /// Does one step of a still without waiting, whose traced samples take `budget` at most. While one is on
+    /// the device it only looks whether that has ended.
     fn step_still(
         &mut self,
         still: &mut Self::Still,

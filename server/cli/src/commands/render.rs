@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use tyndall_render::{Device, Renderer};
 use tyndall_scene::StopRule;
 use tyndall_scene::description::render::{CorrectionMode, Technique};
-use tyndall_still::{FinishedStill, Format, Output, StillTask};
+use tyndall_still::{FinishedStill, Output, StillTask};
 
 use crate::output;
 use crate::scene_argument::{self, DeviceArguments};
@@ -139,6 +139,7 @@ impl Render {
             description,
             scene,
             warnings: loaded.warnings,
+            files: loaded.files,
         })
     }
 

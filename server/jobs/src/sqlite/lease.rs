@@ -59,7 +59,7 @@ pub(super) fn take(
     .stored()?;
     moved(db, seq, number, TaskState::Queued, TaskState::Leased)?;
     db.execute(
-        "UPDATE jobs SET state = 'running', started = coalesce(started, ?2) WHERE seq = ?1",
+        "UPDATE jobs SET state = 'running', started = coalesce(started, max(?2, created)) WHERE seq = ?1",
         params![seq, now],
     )
     .stored()?;

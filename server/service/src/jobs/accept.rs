@@ -22,7 +22,9 @@ pub(crate) enum AcceptError {
     Build(#[from] BuildError),
     #[error(transparent)]
     Queue(#[from] QueueError),
-    #[error("the picture has {width}×{height} pixels, allowed are {max_pixels} and sides of {max_side}")]
+    #[error(
+        "the picture has {width}×{height} pixels, allowed are {max_pixels} and sides of {max_side}"
+    )]
     Size {
         width: u32,
         height: u32,
@@ -110,8 +112,13 @@ impl Jobs {
         validated: Validated,
         idempotency_key: Option<String>,
     ) -> Result<Accepted, AcceptError> {
-        let json = serde_json::to_value(&request).map_err(|error| AcceptError::Hash(error.to_string()))?;
-        let specs: Vec<&str> = validated.tasks.iter().map(|task| task.spec_hash.as_str()).collect();
+        let json =
+            serde_json::to_value(&request).map_err(|error| AcceptError::Hash(error.to_string()))?;
+        let specs: Vec<&str> = validated
+            .tasks
+            .iter()
+            .map(|task| task.spec_hash.as_str())
+            .collect();
         let request_hash = hash_json(&serde_json::json!({ "request": json, "tasks": specs }));
         let job = NewJob {
             id,
@@ -156,7 +163,9 @@ pub(super) fn load(
             allowed: "the name of an uploaded file".to_owned(),
         };
         let name = tyndall_files::relative::why_not_relative(file);
-        let path = folder.filter(|_| name.is_none()).map(|folder| folder.join(file));
+        let path = folder
+            .filter(|_| name.is_none())
+            .map(|folder| folder.join(file));
         let path = path.filter(|path| path.is_file()).ok_or_else(found)?;
         return Ok(tyndall_scene::load(&path)?);
     }

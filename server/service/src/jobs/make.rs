@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use tyndall_jobs::queue::objects_of;
-use tyndall_jobs::{
-    Failure, FailureKind, LeasedTask, ResultsError, Spec, StoredObject, TaskKind,
-};
+use tyndall_jobs::{Failure, FailureKind, LeasedTask, ResultsError, Spec, StoredObject, TaskKind};
 use tyndall_scene::{Loaded, Scene, SceneDescription};
 use tyndall_still::{FinishedStill, encode};
 
@@ -78,7 +76,10 @@ impl Jobs {
         if self.results.is_intact(&object).await.map_err(passing)? {
             return Ok(Some(object));
         }
-        tracing::warn!(key = object.key, "a stored result is missing or broken: it is made again");
+        tracing::warn!(
+            key = object.key,
+            "a stored result is missing or broken: it is made again"
+        );
         Ok(None)
     }
 
@@ -91,8 +92,10 @@ impl Jobs {
         let (description, scene) = self.frame_scene(task, loaded).await?;
         let scene = Arc::new(scene);
         // Ten steps of priority are a factor of about 6.
-        let weight = f64::from(task.job.priority).mul_add(0.18, 0.0).exp();
-        let order = self.desk.order(Arc::clone(&scene), weight, Arc::clone(watch));
+        let weight = (0.18 * f64::from(task.job.priority)).exp();
+        let order = self
+            .desk
+            .order(Arc::clone(&scene), weight, Arc::clone(watch));
         let reply = match order.await {
             Ok(Ok(reply)) => reply,
             Ok(Err(StillFailure::Interrupted)) | Err(_) => return Ok(Made::Interrupted),
@@ -104,7 +107,10 @@ impl Jobs {
             return Ok(Made::Nothing);
         };
         if still.non_finite > 0 && !stopped {
-            return Err(for_good(format!("{} samples were not finite", still.non_finite)));
+            return Err(for_good(format!(
+                "{} samples were not finite",
+                still.non_finite
+            )));
         }
         let output = task.job.request.output.clone();
         let key = self.key(task, output.format.extension(), stopped);
@@ -114,7 +120,9 @@ impl Jobs {
             encode(&finished, &output)
         });
         let bytes = bytes.await.map_err(passing)?.map_err(for_good)?;
-        Ok(Made::Stored(self.results.put_new(&key, bytes).await.map_err(passing)?))
+        Ok(Made::Stored(
+            self.results.put_new(&key, bytes).await.map_err(passing)?,
+        ))
     }
 
     /// The name of a task's object. Each attempt has its own, so a late one disturbs no other.
@@ -122,7 +130,10 @@ impl Jobs {
         let lease = &task.lease;
         let folder = objects_of(&lease.job);
         let partial = if is_partial { "-partial" } else { "" };
-        format!("{folder}{:05}-{}{partial}.{extension}", lease.number, lease.attempt)
+        format!(
+            "{folder}{:05}-{}{partial}.{extension}",
+            lease.number, lease.attempt
+        )
     }
 
     /// The scene that a task shows.
@@ -178,11 +189,20 @@ impl Jobs {
             return Err(for_good("this server has no ffmpeg any more"));
         };
         let tasks = self.queue.tasks(&task.lease.job).await.map_err(passing)?;
-        let frames = tasks.into_iter().filter(|task| task.kind == TaskKind::Frame);
-        let keys: Option<Vec<String>> = frames.map(|task| task.object.map(|object| object.key)).collect();
+        let frames = tasks
+            .into_iter()
+            .filter(|task| task.kind == TaskKind::Frame);
+        let keys: Option<Vec<String>> = frames
+            .map(|task| task.object.map(|object| object.key))
+            .collect();
         let keys = keys.ok_or_else(|| passing("a frame of the video is not stored"))?;
-        let rate = task.job.request.frames.map_or(24.0, |frames| frames.per_second);
-        let made = video::encode(ffmpeg, &self.passing_folder(), &self.results, &keys, rate, watch);
+        let rate = task
+            .job
+            .request
+            .frames
+            .map_or(24.0, |frames| frames.per_second);
+        let folder = self.passing_folder();
+        let made = video::encode(ffmpeg, &folder, &self.results, &keys, rate, watch);
         let Some(bytes) = made.await.map_err(|error| match error {
             video::VideoError::Results(error @ ResultsError::Missing { .. }) => for_good(error),
             other => passing(other),
@@ -191,6 +211,8 @@ impl Jobs {
             return Ok(Made::Nothing);
         };
         let key = self.key(task, "mp4", false);
-        Ok(Made::Stored(self.results.put_new(&key, bytes).await.map_err(passing)?))
+        Ok(Made::Stored(
+            self.results.put_new(&key, bytes).await.map_err(passing)?,
+        ))
     }
 }

@@ -27,7 +27,8 @@ use tyndall_scene::Loaded;
 use crate::bell::lock;
 use crate::stills::{Desk, StillWatch};
 
-pub(crate) use self::accept::{Accepted, AcceptError, Validated};
+pub(crate) use self::accept::AcceptError;
+pub use self::open::DataError;
 pub(crate) use self::open::open;
 pub(crate) use self::status::{JobPage, JobResult, JobStatus};
 pub(crate) use self::upkeep::upkeep;
@@ -93,7 +94,9 @@ pub(crate) struct Jobs {
 
 impl std::fmt::Debug for Jobs {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Jobs").field("folder", &self.folder).finish_non_exhaustive()
+        f.debug_struct("Jobs")
+            .field("folder", &self.folder)
+            .finish_non_exhaustive()
     }
 }
 

@@ -86,7 +86,10 @@ pub(crate) async fn open(
     let queue = SqliteQueue::open(&folder.join("queue.sqlite"), sqlite).map_err(of_queue)?;
     let reclaimed = queue.reclaim(WORKER, now()).await.map_err(of_queue)?;
     if reclaimed > 0 {
-        tracing::info!(reclaimed, "tasks that were being made when the last process ended are free again");
+        tracing::info!(
+            reclaimed,
+            "tasks that were being made when the last process ended are free again"
+        );
     }
     let results = Results::local(&folder.join("results"))?;
     let jobs = Jobs {

@@ -46,13 +46,30 @@ pub(super) async fn encode(
     per_second: f64,
     watch: &StillWatch,
 ) -> Result<Option<Vec<u8>>, VideoError> {
-    let file = tempfile::Builder::new().suffix(".mp4").tempfile_in(folder)?;
+    let file = tempfile::Builder::new()
+        .suffix(".mp4")
+        .tempfile_in(folder)?;
     let mut child = Command::new(ffmpeg)
-        .args(["-v", "error", "-nostdin", "-y", "-f", "image2pipe", "-framerate"])
+        .args([
+            "-v",
+            "error",
+            "-nostdin",
+            "-y",
+            "-f",
+            "image2pipe",
+            "-framerate",
+        ])
         .arg(per_second.to_string())
         .args(["-i", "pipe:0", "-c:v", "libx264", "-pix_fmt", "yuv420p"])
         // The format takes even sides only.
-        .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-movflags", "+faststart", "-f", "mp4"])
+        .args([
+            "-vf",
+            "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+            "-movflags",
+            "+faststart",
+            "-f",
+            "mp4",
+        ])
         .arg(file.path())
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
@@ -67,7 +84,9 @@ pub(super) async fn encode(
             // What cannot be read is left out of the message.
             start.read_to_string(&mut text).await.unwrap_or_default();
             let mut rest = start.into_inner();
-            tokio::io::copy(&mut rest, &mut tokio::io::sink()).await.unwrap_or_default();
+            tokio::io::copy(&mut rest, &mut tokio::io::sink())
+                .await
+                .unwrap_or_default();
         }
         text
     });

@@ -416,12 +416,12 @@ impl Backend for Fake {
         let Some(view) = &mut still.view else {
             return Ok(Step::Preparing);
         };
-        while let Some(frame) = self.take_finished(view) {
-            still.shown = Some(frame?);
-            still.frames += 1;
-        }
         if !view.flying.is_empty() {
             self.call()?;
+            while let Some(frame) = self.take_finished(view) {
+                still.shown = Some(frame?);
+                still.frames += 1;
+            }
             return Ok(Step::Waiting);
         }
         Ok(match self.render(view, 0)? {
