@@ -1,5 +1,7 @@
 //! Stills made in steps beside other pictures have the bits of those that had the device for themselves.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use std::sync::Arc;
 use std::time::Duration;
 

@@ -1,5 +1,7 @@
 //! `tyndall submit` against `tyndall serve`: equal bits, and results that outlive a killed server.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};

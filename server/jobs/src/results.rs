@@ -1,5 +1,6 @@
 //! Results: written once, whole or not at all, never changed.
 
+use std::fmt::Write as _;
 use std::io;
 use std::ops::Range;
 use std::path::Path as FilePath;
@@ -165,8 +166,16 @@ fn failed(key: &str, error: &Error) -> ResultsError {
 
 /// SHA-256 in hexadecimal.
 pub(crate) fn sha256(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    hex(&Sha256::digest(bytes))
+}
+
+/// Bytes in hexadecimal.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string can't fail.
+        write!(text, "{byte:02x}").unwrap_or_default();
+        text
+    })
 }
 
 #[cfg(test)]

@@ -11,6 +11,8 @@ use tyndall_files::{DecoderFailed, guarded};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
+use crate::results::{hex, sha256};
+
 /// Longest name of a file. Unit: byte.
 const LONGEST_NAME: usize = 512;
 /// Bytes that an archive may unpack to however short it is.
@@ -129,7 +131,7 @@ impl Upload {
             .files
             .iter()
             .map(|(name, hash)| format!("{hash} {name}\n"));
-        crate::results::sha256(lines.collect::<String>().as_bytes())
+        sha256(lines.collect::<String>().as_bytes())
     }
 
     /// Begins a file.
@@ -256,8 +258,7 @@ impl Receiving<'_> {
     /// [`UploadError::Io`].
     pub fn finish(mut self) -> Result<(), UploadError> {
         self.file.flush()?;
-        let digest = self.hash.finalize();
-        let hash = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        let hash = hex(&self.hash.finalize());
         self.upload.files.insert(self.name, hash);
         Ok(())
     }

@@ -1,5 +1,7 @@
 //! What every queue does alike. Time comes from the tests, so nothing waits.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
@@ -470,7 +472,8 @@ async fn many_clients_and_workers_do_every_task_once(queue: Queue) {
             let queue = Arc::clone(&queue);
             tokio::spawn(async move {
                 let mut done = Vec::new();
-                while queue.counts().await.unwrap().jobs < CLIENTS * JOBS || !is_empty(&queue).await
+                while queue.counts().await.unwrap().jobs < CLIENTS * JOBS
+                    || queue.counts().await.unwrap().queued_tasks > 0
                 {
                     if let Some(leased) = queue.lease("worker", LENGTH, 1).await.unwrap() {
                         let lease = leased.lease;
@@ -492,8 +495,4 @@ async fn many_clients_and_workers_do_every_task_once(queue: Queue) {
     assert_eq!(done.len() as u64, CLIENTS * JOBS, "none twice");
     assert_eq!(done.iter().collect::<BTreeSet<_>>().len(), done.len());
     assert_eq!(queue.counts().await.unwrap().open_jobs, 0);
-}
-
-async fn is_empty(queue: &Queue) -> bool {
-    queue.counts().await.unwrap().queued_tasks == 0
 }

@@ -1,5 +1,7 @@
 //! The built-in queue: it passes the suite of all queues, and outlives its process.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use std::path::Path;
 use std::time::Duration;
 

@@ -112,7 +112,9 @@ impl<'a> Folder<'a> {
             }
             Ok(_inside) => {
                 let name = companion.strip_prefix(root).ok().and_then(Path::to_str);
-                name.into_iter().for_each(|name| self.note(name));
+                if let Some(name) = name {
+                    self.note(name);
+                }
                 Ok(())
             }
             // Absent ones are the reader's concern.

@@ -120,7 +120,9 @@ pub(crate) struct Desk {
 impl std::fmt::Debug for Desk {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let waiting = lock(&self.orders).len();
-        f.debug_struct("Desk").field("waiting", &waiting).finish()
+        f.debug_struct("Desk")
+            .field("waiting", &waiting)
+            .finish_non_exhaustive()
     }
 }
 

@@ -1,4 +1,4 @@
-//! The built-in queue: one SQLite file, which survives whatever ends the process.
+//! The built-in queue: one `SQLite` file, which survives whatever ends the process.
 //!
 //! - `schema`: its tables;
 //! - `submit`: accepting a job; `lease`: taking its tasks, and what becomes of them;
@@ -61,7 +61,7 @@ impl Default for SqliteLimits {
     }
 }
 
-/// A queue in one SQLite file.
+/// A queue in one `SQLite` file.
 #[derive(Debug)]
 pub struct SqliteQueue {
     connection: Arc<Mutex<Connection>>,
@@ -118,12 +118,12 @@ impl SqliteQueue {
     }
 }
 
-/// An error of SQLite in our words.
+/// An error of `SQLite` in our words.
 fn storage(error: &rusqlite::Error) -> QueueError {
     QueueError::Storage(error.to_string())
 }
 
-/// Shortens the handling of SQLite's errors.
+/// Shortens the handling of `SQLite`'s errors.
 trait Stored<T> {
     fn stored(self) -> Result<T, QueueError>;
 }

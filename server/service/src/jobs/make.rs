@@ -1,5 +1,6 @@
 //! A task's result: found, or rendered, encoded and stored.
 
+use std::fmt::Display;
 use std::sync::Arc;
 
 use tyndall_jobs::queue::objects_of;
@@ -23,19 +24,21 @@ pub(super) enum Made {
     Interrupted,
 }
 
-fn failure(kind: FailureKind, reason: impl ToString) -> Failure {
+fn failure(kind: FailureKind, reason: &dyn Display) -> Failure {
     Failure {
         kind,
         reason: reason.to_string(),
     }
 }
 
-fn passing(error: impl ToString) -> Failure {
-    failure(FailureKind::Passing, error)
+#[allow(clippy::needless_pass_by_value, reason = "for map_err")]
+fn passing(error: impl Display) -> Failure {
+    failure(FailureKind::Passing, &error)
 }
 
-fn for_good(error: impl ToString) -> Failure {
-    failure(FailureKind::ForGood, error)
+#[allow(clippy::needless_pass_by_value, reason = "for map_err")]
+fn for_good(error: impl Display) -> Failure {
+    failure(FailureKind::ForGood, &error)
 }
 
 impl From<StillFailure> for Failure {
@@ -45,7 +48,7 @@ impl From<StillFailure> for Failure {
             StillFailure::DeviceLost(_) => FailureKind::DeviceLost,
             StillFailure::Passing(_) | StillFailure::Interrupted => FailureKind::Passing,
         };
-        failure(kind, error)
+        failure(kind, &error)
     }
 }
 
@@ -113,7 +116,7 @@ impl Jobs {
             )));
         }
         let output = task.job.request.output.clone();
-        let key = self.key(task, output.format.extension(), stopped);
+        let key = Self::key(task, output.format.extension(), stopped);
         let bytes = tokio::task::spawn_blocking(move || {
             let names = (adapter.name.as_str(), adapter.driver.as_str());
             let finished = FinishedStill::new(still, &description, &scene, names)?;
@@ -126,7 +129,7 @@ impl Jobs {
     }
 
     /// The name of a task's object. Each attempt has its own, so a late one disturbs no other.
-    fn key(&self, task: &LeasedTask, extension: &str, is_partial: bool) -> String {
+    fn key(task: &LeasedTask, extension: &str, is_partial: bool) -> String {
         let lease = &task.lease;
         let folder = objects_of(&lease.job);
         let partial = if is_partial { "-partial" } else { "" };
@@ -210,7 +213,7 @@ impl Jobs {
         else {
             return Ok(Made::Nothing);
         };
-        let key = self.key(task, "mp4", false);
+        let key = Self::key(task, "mp4", false);
         Ok(Made::Stored(
             self.results.put_new(&key, bytes).await.map_err(passing)?,
         ))

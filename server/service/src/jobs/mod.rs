@@ -88,7 +88,7 @@ pub(crate) struct Jobs {
     scenes: Mutex<Vec<SceneOfJob>>,
     /// One scene is loaded at a time.
     loading: Semaphore,
-    _lock: Option<std::fs::File>,
+    _lock: std::fs::File,
     _temporary: Option<tempfile::TempDir>,
 }
 

@@ -62,18 +62,17 @@ pub(crate) async fn open(
         },
         DataFolder::Named(folder) => Some((folder.clone(), prepare(folder)?)),
     };
-    let (folder, lock, temporary) = match opened {
-        Some((folder, lock)) => (folder, Some(lock), None),
-        None => {
-            let temporary = tempfile::Builder::new().prefix("tyndall-").tempdir();
-            let temporary = temporary.map_err(|source| DataError::Io {
-                folder: std::env::temp_dir(),
-                source,
-            })?;
-            let folder = temporary.path().to_owned();
-            let lock = prepare(&folder)?;
-            (folder, Some(lock), Some(temporary))
-        }
+    let (folder, lock, temporary) = if let Some((folder, lock)) = opened {
+        (folder, lock, None)
+    } else {
+        let temporary = tempfile::Builder::new().prefix("tyndall-").tempdir();
+        let temporary = temporary.map_err(|source| DataError::Io {
+            folder: std::env::temp_dir(),
+            source,
+        })?;
+        let folder = temporary.path().to_owned();
+        let lock = prepare(&folder)?;
+        (folder, lock, Some(temporary))
     };
     let of_queue = |source| DataError::Queue {
         folder: folder.clone(),

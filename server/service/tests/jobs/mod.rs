@@ -1,5 +1,7 @@
 //! Jobs over HTTP, on a renderer that keeps time but draws nothing.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 mod making;
 mod requests;
 

@@ -143,8 +143,8 @@ async fn text_of(app: &App, request: Request) -> Result<String, Problem> {
         Problem::new(ErrorCode::TookTooLong, detail)
     })?;
     let body = received.map_err(|error| {
-        let is_long =
-            std::error::Error::source(&error).is_some_and(|source| source.is::<LengthLimitError>());
+        let is_long = std::error::Error::source(&error)
+            .is_some_and(<dyn std::error::Error>::is::<LengthLimitError>);
         if is_long {
             too_long()
         } else {

@@ -52,10 +52,9 @@ fn job_id(text: &str) -> Result<JobId, Problem> {
 impl From<QueueError> for Problem {
     fn from(error: QueueError) -> Self {
         let code = match &error {
-            QueueError::NoSuchJob(_) => ErrorCode::NotFound,
+            QueueError::NoSuchJob(_) | QueueError::ObjectGone { .. } => ErrorCode::NotFound,
             QueueError::KeyReused { .. } | QueueError::LeaseLost { .. } => ErrorCode::Conflict,
             QueueError::Full { .. } => ErrorCode::QueueFull,
-            QueueError::ObjectGone { .. } => ErrorCode::NotFound,
             QueueError::Storage(_) => ErrorCode::StorageFailed,
         };
         if code == ErrorCode::StorageFailed {

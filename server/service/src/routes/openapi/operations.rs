@@ -45,10 +45,12 @@ fn jobs(schemas: &mut SchemaGenerator) -> Vec<Operation> {
         },
     });
     let mut create = query::<CreateParameters>(schemas);
-    create.push(in_header(
+    let mut key = in_header(
         "Idempotency-Key",
         "The same request with the same key is accepted once only",
-    ));
+    );
+    key["schema"] = json!({ "type": "string", "pattern": "^[ -~]{1,255}$" });
+    create.push(key);
     let mut accepted = of_type::<Created>(schemas, "The job is queued");
     accepted["headers"] = json!({ "Location": {
         "description": "Where the job is", "schema": { "type": "string" } } });
