@@ -113,13 +113,14 @@ impl StillWatch {
 
 /// Where orders lie until the render thread takes them.
 pub(crate) struct Desk {
-    orders: Mutex<VecDeque<StillOrder>>,
+    /// `None` once nobody takes them any more.
+    orders: Mutex<Option<VecDeque<StillOrder>>>,
     sessions: Arc<Sessions>,
 }
 
 impl std::fmt::Debug for Desk {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let waiting = lock(&self.orders).len();
+        let waiting = lock(&self.orders).as_ref().map(VecDeque::len);
         f.debug_struct("Desk")
             .field("waiting", &waiting)
             .finish_non_exhaustive()
@@ -129,7 +130,7 @@ impl std::fmt::Debug for Desk {
 impl Desk {
     pub(crate) fn new(sessions: Arc<Sessions>) -> Self {
         Self {
-            orders: Mutex::default(),
+            orders: Mutex::new(Some(VecDeque::new())),
             sessions,
         }
     }
@@ -143,12 +144,14 @@ impl Desk {
         watch: Arc<StillWatch>,
     ) -> oneshot::Receiver<Result<StillReply, StillFailure>> {
         let (reply, receiver) = oneshot::channel();
-        lock(&self.orders).push_back(StillOrder {
-            scene,
-            weight,
-            watch,
-            reply,
-        });
+        if let Some(orders) = lock(&self.orders).as_mut() {
+            orders.push_back(StillOrder {
+                scene,
+                weight,
+                watch,
+                reply,
+            });
+        }
         self.wake();
         receiver
     }
@@ -160,6 +163,11 @@ impl Desk {
 
     /// The order that has waited longest.
     pub(crate) fn take(&self) -> Option<StillOrder> {
-        lock(&self.orders).pop_front()
+        lock(&self.orders).as_mut()?.pop_front()
+    }
+
+    /// The render thread ends: what lies here, and what is still ordered, is never made.
+    pub(crate) fn close(&self) {
+        *lock(&self.orders) = None;
     }
 }

@@ -84,6 +84,7 @@ impl<S: crate::backend::StillInMaking> Stills<S> {
 
     /// Gives all of them up: the thread ends.
     pub(super) fn clear(&mut self) {
+        self.desk.close();
         for place in self.places.drain(..) {
             answer(place.order, Err(StillFailure::Interrupted));
         }
