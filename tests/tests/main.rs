@@ -29,4 +29,5 @@ mod screen_space;
 mod shader_functions;
 mod shader_geometry;
 mod single_scattering;
+mod stills;
 mod surface_truths;

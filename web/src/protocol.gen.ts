@@ -319,7 +319,7 @@ rotation_degrees: number, };
 /**
  * Stable names of causes, shared by the WebSocket and by HTTP problems.
  */
-export type ErrorCode = "malformed" | "not_found" | "method_not_allowed" | "unauthorized" | "too_many_attempts" | "origin_refused" | "too_large" | "unsupported_media_type" | "invalid_scene" | "not_rendered_yet" | "invalid_size" | "protocol_version" | "hello_expected" | "no_common_codec" | "too_many_sessions" | "taken_over" | "not_ready" | "took_too_long" | "render_failed" | "internal";
+export type ErrorCode = "malformed" | "not_found" | "method_not_allowed" | "unauthorized" | "too_many_attempts" | "origin_refused" | "too_large" | "unsupported_media_type" | "invalid_scene" | "not_rendered_yet" | "invalid_size" | "protocol_version" | "hello_expected" | "no_common_codec" | "too_many_sessions" | "taken_over" | "not_ready" | "took_too_long" | "render_failed" | "internal" | "conflict" | "queue_full" | "invalid_upload" | "range_not_satisfiable" | "storage_failed";
 
 /**
  * Why something was refused or broke.

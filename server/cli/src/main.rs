@@ -1,4 +1,4 @@
-//! `tyndall`: serves, renders, plans, checks, compares and measures scenes with participating media.
+//! `tyndall`: serves, renders, submits, plans, checks, compares and measures scenes with participating media.
 //!
 //! Exit codes: 0 done; 1 a file, scene or device is at fault, with one line on standard error that
 //! names it; 2 the command line is.
@@ -37,6 +37,8 @@ enum Command {
     Serve(commands::serve::Serve),
     /// Render a scene to an EXR or PNG file.
     Render(commands::render::Render),
+    /// Render a scene on a server and fetch the pictures.
+    Submit(commands::submit::Submit),
     /// Print every error measure of a picture against a reference.
     Compare(commands::compare::Compare),
     /// Print which passes a scene needs and why, and which are skipped.
@@ -58,6 +60,7 @@ fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Serve(command) => command.run(),
         Command::Render(command) => command.run(),
+        Command::Submit(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Plan(command) => command.run(),
         Command::Check(command) => command.run(),

@@ -15,7 +15,7 @@ pub struct DeviceArguments {
     #[arg(long, env = "TYNDALL_ADAPTER")]
     pub adapter: Option<String>,
     /// Fail rather than render on the CPU.
-    #[arg(long)]
+    #[arg(long, env = "TYNDALL_REQUIRE_GPU", hide_env_values = true)]
     pub require_gpu: bool,
 }
 

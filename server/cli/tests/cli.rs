@@ -48,7 +48,7 @@ fn help_names_every_command() {
     let output = tyndall(&["--help"]);
     assert!(output.status.success());
     for command in [
-        "serve", "render", "compare", "plan", "check", "adapters", "bench",
+        "serve", "render", "submit", "compare", "plan", "check", "adapters", "bench",
     ] {
         assert!(text(&output).contains(command), "{command}");
     }
@@ -260,7 +260,7 @@ fn render_writes_a_png_of_the_asked_size() {
 fn render_refuses_what_it_cannot_write_before_rendering() {
     refused(
         &["render", "cornell_fog", "-o", "picture.tiff"],
-        &["picture.tiff", ".exr or .png"],
+        &["picture.tiff", ".exr, .png or .jpg"],
     );
     refused(
         &["render", "cornell_fog", "-o", "no/such/folder/x.png"],

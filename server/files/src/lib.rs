@@ -2,6 +2,7 @@
 //! memory or ends the process.
 //!
 //! - [`regular`]: opens regular files only, and reads them up to a limit;
+//! - [`relative`]: which names stay inside a folder;
 //! - [`guarded`]: runs a decoder that others wrote on a thread that may fail;
 //! - [`decode_image`]: PNG, JPEG and Radiance, their size checked before memory is taken;
 //! - [`read_exr_header`]: the same check for OpenEXR.
@@ -10,6 +11,7 @@ mod exr_header;
 mod guard;
 mod images;
 pub mod regular;
+pub mod relative;
 
 pub use exr_header::{ExrError, ExrLimits, read_exr_header};
 pub use guard::{DecoderFailed, guarded};

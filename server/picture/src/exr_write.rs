@@ -2,9 +2,9 @@
 //!
 //! The names follow `OpenEXR`'s convention of `layer.channel`, so viewers group them.
 
+use std::io::Cursor;
 use std::path::Path;
 
-use exr::error::Error;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
     Text, Vec2, WritableImage as _,
@@ -15,9 +15,18 @@ use crate::{Layers, Metadata, PictureError};
 /// Writes `layers` and `metadata` to `path`, lossless.
 ///
 /// # Errors
-/// [`PictureError::Layer`] if a plane has another size, [`PictureError::Io`] or
-/// [`PictureError::Content`] if the file can't be written.
+/// As [`encode_exr`], and [`PictureError::Io`].
 pub fn write_exr(path: &Path, layers: &Layers, metadata: &Metadata) -> Result<(), PictureError> {
+    let bytes = encode_exr(layers, metadata)?;
+    std::fs::write(path, bytes).map_err(|source| PictureError::io(path, source))
+}
+
+/// The bytes of a file with `layers` and `metadata`, lossless.
+///
+/// # Errors
+/// [`PictureError::Layer`] if a plane has another size, [`PictureError::Content`] if the picture can't be
+/// encoded.
+pub fn encode_exr(layers: &Layers, metadata: &Metadata) -> Result<Vec<u8>, PictureError> {
     layers.check()?;
     let mut channels = Channels::default();
     channels.rgb(["R", "G", "B"], Some(&layers.beauty));
@@ -50,13 +59,43 @@ pub fn write_exr(path: &Path, layers: &Layers, metadata: &Metadata) -> Result<()
         Encoding::FAST_LOSSLESS,
         AnyChannels::sort(channels.0.into_iter().collect()),
     );
+    let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()
-        .to_file(path)
-        .map_err(|error| match error {
-            Error::Io(source) => PictureError::io(path, source),
-            other => PictureError::content(path, other),
-        })
+        .to_buffered(&mut bytes)
+        .map_err(|error| PictureError::content(Path::new("OpenEXR"), error))?;
+    let mut bytes = bytes.into_inner();
+    sort_attributes(&mut bytes);
+    Ok(bytes)
+}
+
+/// Where the attributes begin, after the magic number and the version. Unit: byte.
+const ATTRIBUTES: usize = 8;
+
+/// Brings the attributes of a file of one part into the order of their names: the encoder writes them in
+/// another one each time, and the same picture is to have the same bytes. Their order means nothing.
+fn sort_attributes(bytes: &mut [u8]) {
+    let Some(mut sorted) = attributes(bytes) else {
+        return;
+    };
+    sorted.sort_unstable();
+    let sorted: Vec<u8> = sorted.concat();
+    bytes[ATTRIBUTES..ATTRIBUTES + sorted.len()].copy_from_slice(&sorted);
+}
+
+/// The attributes of a file of one part, each with its name, type and length; `None` if it is cut short.
+fn attributes(bytes: &[u8]) -> Option<Vec<&[u8]>> {
+    let mut rest = bytes.get(ATTRIBUTES..)?;
+    let mut attributes = Vec::new();
+    while *rest.first()? != 0 {
+        let name = rest.iter().position(|byte| *byte == 0)? + 1;
+        let kind = rest.get(name..)?.iter().position(|byte| *byte == 0)? + 1;
+        let length = rest.get(name + kind..)?.first_chunk::<4>()?;
+        let whole = name + kind + 4 + usize::try_from(u32::from_le_bytes(*length)).ok()?;
+        attributes.push(rest.get(..whole)?);
+        rest = rest.get(whole..)?;
+    }
+    Some(attributes)
 }
 
 /// The format's text has one byte a character: others become question marks.
@@ -91,5 +130,36 @@ impl Channels {
             quantize_linearly: false,
             sampling: Vec2(1, 1),
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_picture_has_the_same_bytes() {
+        let layers = Layers {
+            width: 2,
+            height: 1,
+            beauty: vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
+            ..Layers::default()
+        };
+        let metadata = Metadata {
+            scene: "fog".to_owned(),
+            scene_hash: "hash".to_owned(),
+            technique: "reference".to_owned(),
+            adapter: "none".to_owned(),
+            ..Metadata::default()
+        };
+        let first = encode_exr(&layers, &metadata).unwrap();
+        for _ in 0..20 {
+            assert!(encode_exr(&layers, &metadata).unwrap() == first);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        std::fs::write(&path, &first).unwrap();
+        let (read, found) = crate::read_exr(&path).unwrap();
+        assert_eq!((read.beauty, found.scene), (layers.beauty, metadata.scene));
     }
 }

@@ -35,7 +35,7 @@ pub use navigation::{Darkness, Guide, NavigationFacts, Picked, Stand};
 pub use plan::plan;
 pub use prepare::Prepared;
 pub use renderer::{RenderOutcome, Renderer};
-pub use still::{Still, StillProgress};
+pub use still::{Still, StillProgress, StillRun, StillStep};
 pub use supported::check_supported;
 pub use techniques::{Claim, Paths, Rung, chosen, claim, ladder};
 pub use view::View;

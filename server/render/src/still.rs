@@ -66,6 +66,110 @@ pub struct StillProgress {
     pub go_on: bool,
 }
 
+/// A still in the making, driven step by step, so that others may have the device in between. Where the
+/// stop rule counts samples its bits do not depend on the steps.
+#[derive(Debug)]
+pub struct StillRun {
+    counts: Counts,
+    last: Option<FinishedFrame>,
+    /// Frames that have arrived.
+    frames: u64,
+}
+
+/// What a step of a [`StillRun`] found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StillStep {
+    /// Work was submitted.
+    Submitted,
+    /// The device has to finish something first.
+    Waiting,
+    /// The stop rule is met and every frame has arrived.
+    Finished,
+}
+
+impl StillRun {
+    /// Begins a still of `view`: from now on every frame traces all of its pixels.
+    pub fn new(view: &mut View) -> Self {
+        view.slices.keep_whole(true);
+        Self {
+            counts: Counts::default(),
+            last: None,
+            frames: 0,
+        }
+    }
+
+    /// Submits the next piece of work and takes the frames that have arrived. Never waits.
+    pub fn advance(
+        &mut self,
+        renderer: &mut Renderer,
+        view: &mut View,
+    ) -> Result<StillStep, RenderError> {
+        let outcome = if view.is_under_way() {
+            renderer.go_on(view)?;
+            RenderOutcome::Busy
+        } else {
+            renderer.render(view, 0)?
+        };
+        renderer.poll()?;
+        self.take(view)?;
+        Ok(match outcome {
+            RenderOutcome::Submitted => StillStep::Submitted,
+            RenderOutcome::Converged if view.in_flight() == 0 => StillStep::Finished,
+            RenderOutcome::Converged | RenderOutcome::Busy => StillStep::Waiting,
+        })
+    }
+
+    /// [`Self::advance`] that begins nothing new.
+    pub fn collect(&mut self, renderer: &Renderer, view: &mut View) -> Result<(), RenderError> {
+        if view.is_under_way() {
+            renderer.go_on(view)?;
+        }
+        renderer.poll()?;
+        self.take(view)
+    }
+
+    /// Takes the frames that have arrived.
+    fn take(&mut self, view: &mut View) -> Result<(), RenderError> {
+        while let Some(frame) = view.take_finished() {
+            let frame = frame?;
+            self.counts.add(&frame);
+            self.frames += 1;
+            self.last = Some(frame);
+        }
+        Ok(())
+    }
+
+    /// The frame that arrived last.
+    pub fn last(&self) -> Option<&FinishedFrame> {
+        self.last.as_ref()
+    }
+
+    /// Frames that have arrived.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// Reads the linear picture as it is, finished or not, after what is on the device has ended; `None`
+    /// before any frame was begun.
+    pub fn finish(
+        mut self,
+        renderer: &mut Renderer,
+        view: &mut View,
+    ) -> Result<Option<Still>, RenderError> {
+        while view.is_under_way() {
+            renderer.wait_for(view)?;
+            renderer.go_on(view)?;
+        }
+        renderer.wait()?;
+        self.take(view)?;
+        view.slices.keep_whole(false);
+        let Some(frame) = self.last else {
+            return Ok(None);
+        };
+        renderer.read_still(view, frame, self.counts).map(Some)
+    }
+}
+
 impl Renderer {
     /// Renders `view` until its stop rule is met and reads the linear picture.
     /// `progress` is called after every frame.
@@ -75,57 +179,47 @@ impl Renderer {
         mut progress: impl FnMut(&mut StillProgress),
     ) -> Result<Still, RenderError> {
         let budget = view.slices.widen();
-        let still = self.render_to_the_end(view, &mut progress);
+        let run = StillRun::new(view);
+        let still = self.render_to_the_end(run, view, &mut progress);
+        view.slices.keep_whole(false);
         view.slices.set_budget(budget);
-        still
+        still?.ok_or_else(|| RenderError::Refused("no frame arrived".into()))
     }
 
     fn render_to_the_end(
         &mut self,
+        mut run: StillRun,
         view: &mut View,
         progress: &mut dyn FnMut(&mut StillProgress),
-    ) -> Result<Still, RenderError> {
-        let mut counts = Counts::default();
-        let mut last = None;
+    ) -> Result<Option<Still>, RenderError> {
         loop {
-            let outcome = self.render(view, 0)?;
-            if outcome != RenderOutcome::Submitted {
-                self.wait()?;
-            }
-            self.poll()?;
-            while let Some(frame) = view.take_finished() {
-                let frame = frame?;
-                counts.add(&frame);
+            let known = run.frames();
+            let step = run.advance(self, view)?;
+            if let Some(frame) = run.last().filter(|_| run.frames() > known) {
                 let mut state = StillProgress {
                     samples: frame.samples,
                     go_on: true,
                 };
                 progress(&mut state);
-                last = Some(frame);
                 if !state.go_on {
-                    return self.finish(view, last, counts);
+                    return run.finish(self, view);
                 }
             }
-            if outcome == RenderOutcome::Converged && view.in_flight() == 0 {
-                return self.finish(view, last, counts);
+            match step {
+                StillStep::Submitted => {}
+                StillStep::Waiting if view.in_flight() > 0 => self.wait_for(view)?,
+                StillStep::Waiting => self.wait()?,
+                StillStep::Finished => return run.finish(self, view),
             }
         }
     }
 
-    fn finish(
+    fn read_still(
         &mut self,
         view: &mut View,
-        last: Option<FinishedFrame>,
-        mut counts: Counts,
+        frame: FinishedFrame,
+        counts: Counts,
     ) -> Result<Still, RenderError> {
-        self.wait()?;
-        let mut frame = last;
-        while let Some(newer) = view.take_finished() {
-            let newer = newer?;
-            counts.add(&newer);
-            frame = Some(newer);
-        }
-        let frame = frame.ok_or_else(|| RenderError::Refused("no frame arrived".into()))?;
         let mut still = Still {
             frame,
             radiance: self.read_radiance(view)?,

@@ -1,10 +1,13 @@
 //! Files of a scene: nothing outside the scene's folder is ever opened.
 
+use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use tyndall_files::regular::{self, ReadError};
+use tyndall_files::relative::why_not_relative;
 
 use crate::error::{SceneError, abbreviate};
 use crate::limits::Limits;
@@ -24,36 +27,14 @@ pub(crate) fn check_relative(path: &str, file: &str) -> Result<(), SceneError> {
     }
 }
 
-/// Why `file` is no plain relative path, if so.
-pub(crate) fn why_not_relative(file: &str) -> Option<&'static str> {
-    if file.is_empty() {
-        return Some("which is empty");
-    }
-    if file.chars().any(char::is_control) {
-        return Some("which has a control character");
-    }
-    if file.starts_with('/') || file.starts_with('\\') {
-        return Some("which is absolute");
-    }
-    // A colon starts a URI scheme, a drive or an alternate stream; a backslash hides separators.
-    if file.contains(':') {
-        return Some("which has a scheme or a drive");
-    }
-    if file.contains('\\') {
-        return Some("which has a backslash");
-    }
-    if file.split('/').any(|part| part == "..") {
-        return Some("which leaves the folder by '..'");
-    }
-    None
-}
-
 /// The folder that all files of a scene lie in, with a budget of bytes to read from it.
 pub(crate) struct Folder<'a> {
     /// Canonical; `None` if the scene has no folder.
     root: Option<PathBuf>,
     limits: &'a Limits,
     bytes_read: AtomicU64,
+    /// Every file that was found, by its name in the folder.
+    found: Mutex<BTreeSet<String>>,
 }
 
 impl<'a> Folder<'a> {
@@ -69,6 +50,7 @@ impl<'a> Folder<'a> {
             root,
             limits,
             bytes_read: AtomicU64::new(0),
+            found: Mutex::default(),
         })
     }
 
@@ -96,7 +78,22 @@ impl<'a> Folder<'a> {
             ));
         }
         regular::check(&real.metadata().map_err(io)?).map_err(io)?;
+        self.note(file);
         Ok(real)
+    }
+
+    fn note(&self, file: &str) {
+        let mut found = self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        let parts = file
+            .split('/')
+            .filter(|part| !part.is_empty() && *part != ".");
+        found.insert(parts.collect::<Vec<_>>().join("/"));
+    }
+
+    /// The files that were found, by their names in the folder.
+    pub(crate) fn found(&self) -> Vec<String> {
+        let found = self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        found.iter().cloned().collect()
     }
 
     /// Checks that a file beside a located one, which a reader may open, doesn't leave the folder.
@@ -113,8 +110,15 @@ impl<'a> Folder<'a> {
                     "a file inside the scene's folder",
                 ))
             }
+            Ok(_inside) => {
+                let name = companion.strip_prefix(root).ok().and_then(Path::to_str);
+                if let Some(name) = name {
+                    self.note(name);
+                }
+                Ok(())
+            }
             // Absent ones are the reader's concern.
-            _ => Ok(()),
+            Err(_absent) => Ok(()),
         }
     }
 

@@ -163,6 +163,7 @@ fn a_grid_is_read_once_and_kept_by_edits() {
         description: edited,
         scene,
         warnings: Vec::new(),
+        files: Vec::new(),
     };
     assert_eq!(grid(&again, 0), grid(&loaded, 2));
     assert_eq!(grid(&again, 1), grid(&loaded, 0));

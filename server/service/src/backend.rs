@@ -11,6 +11,7 @@ use tyndall_render::{
     PlanLimits, Prepared, RenderError, RenderOutcome, Renderer, View,
 };
 use tyndall_scene::Scene;
+use tyndall_still::{Progress, Step, StillTask};
 use tyndall_stream::protocol;
 
 use crate::options::ServeError;
@@ -22,6 +23,8 @@ const WARM_UP_SIZE: (u32, u32) = (64, 36);
 pub trait Backend {
     /// A session's picture.
     type View;
+    /// A picture of a job in the making.
+    type Still: StillInMaking;
 
     /// What renders.
     fn adapter(&self) -> protocol::Adapter;
@@ -78,6 +81,46 @@ pub trait Backend {
     fn plan(&self, view: &Self::View) -> protocol::Plan;
     /// Whether rendering more would change nothing.
     fn is_converged(&self, view: &Self::View) -> bool;
+    /// A still of `scene`, of which nothing is begun.
+    fn new_still(&self, scene: Arc<Scene>) -> Self::Still;
+    /// Does one step of a still without waiting, whose traced samples take `budget` at most. While one is on
+    /// the device it only looks whether that has ended.
+    fn step_still(
+        &mut self,
+        still: &mut Self::Still,
+        budget: Option<Duration>,
+    ) -> Result<Step, RenderError>;
+    /// Blocks until the step of this still that is on the device has ended.
+    fn wait_for_still(&mut self, still: &Self::Still) -> Result<(), RenderError>;
+    /// The still as it is, finished or not; `None` before anything of it was begun.
+    fn finish_still(
+        &mut self,
+        still: Self::Still,
+    ) -> Result<Option<tyndall_render::Still>, RenderError>;
+}
+
+/// What is told of a still while it is made.
+pub trait StillInMaking {
+    /// Whether a step of it is on the device.
+    fn is_on_device(&self) -> bool;
+    /// How far it is.
+    fn progress(&self) -> Progress;
+    /// Its newest frame.
+    fn shown(&self) -> Option<&FinishedFrame>;
+}
+
+impl StillInMaking for StillTask {
+    fn is_on_device(&self) -> bool {
+        StillTask::is_on_device(self)
+    }
+
+    fn progress(&self) -> Progress {
+        StillTask::progress(self)
+    }
+
+    fn shown(&self) -> Option<&FinishedFrame> {
+        StillTask::shown(self)
+    }
 }
 
 /// Opens a backend, at start and again after the device was lost.
@@ -106,6 +149,7 @@ impl Wgpu {
 
 impl Backend for Wgpu {
     type View = View;
+    type Still = StillTask;
 
     fn adapter(&self) -> protocol::Adapter {
         adapter(self.renderer.adapter())
@@ -186,6 +230,29 @@ impl Backend for Wgpu {
 
     fn is_converged(&self, view: &View) -> bool {
         view.is_converged()
+    }
+
+    fn new_still(&self, scene: Arc<Scene>) -> StillTask {
+        StillTask::new(scene)
+    }
+
+    fn step_still(
+        &mut self,
+        still: &mut StillTask,
+        budget: Option<Duration>,
+    ) -> Result<Step, RenderError> {
+        still.step(&mut self.renderer, budget)
+    }
+
+    fn wait_for_still(&mut self, still: &StillTask) -> Result<(), RenderError> {
+        still.wait(&self.renderer)
+    }
+
+    fn finish_still(
+        &mut self,
+        still: StillTask,
+    ) -> Result<Option<tyndall_render::Still>, RenderError> {
+        still.finish(&mut self.renderer)
     }
 }
 

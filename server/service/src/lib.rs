@@ -11,6 +11,7 @@
 //! - `session`, `sessions`: what a client has set, kept for a while after its connection drops;
 //! - `scenes`: built-in scenes, built once; `guides`: what steers a camera through them;
 //! - [`render_thread`] over a [`backend`]: the one thread that owns the device;
+//! - `jobs`: render jobs and their results; `stills`: their pictures on the way through that thread;
 //! - `encoder_pool`: compression, on threads of its own;
 //! - `outbox`: the newest frame and the waiting messages of a session, back to its socket;
 //! - `telemetry`: what is counted.
@@ -26,6 +27,7 @@ mod clock;
 mod connections;
 mod encoder_pool;
 mod guides;
+mod jobs;
 pub mod options;
 mod origin;
 mod outbox;
@@ -39,8 +41,10 @@ pub mod server;
 mod session;
 mod sessions;
 mod socket;
+mod stills;
 mod telemetry;
 mod watchdog;
 
+pub use jobs::{DataError, DataFolder, JobLimits};
 pub use options::{ServeError, ServeOptions, ServiceLimits};
 pub use server::{serve, serve_on};

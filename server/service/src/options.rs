@@ -7,6 +7,7 @@ use std::time::Duration;
 use tyndall_render::{DeviceError, DeviceOptions, MemoryBudget, RenderError};
 use tyndall_scene::Loaded;
 
+use crate::jobs::{DataError, DataFolder, JobLimits};
 use crate::origin::Origin;
 
 /// Shortest token accepted. Unit: character.
@@ -32,6 +33,12 @@ pub struct ServeOptions {
     pub limits: ServiceLimits,
     /// Device memory that pictures may take.
     pub memory: MemoryBudget,
+    /// Where jobs are kept.
+    pub data: DataFolder,
+    /// Bounds of jobs.
+    pub jobs: JobLimits,
+    /// The ffmpeg that makes videos; the one of the search path without.
+    pub ffmpeg: Option<PathBuf>,
     /// The process ends `limits.drain_within` after it was told to, whatever still runs: for programs that
     /// do nothing else.
     pub end_process: bool,
@@ -49,6 +56,9 @@ impl ServeOptions {
             allowed_origins: Vec::new(),
             limits: ServiceLimits::default(),
             memory: MemoryBudget::default(),
+            data: DataFolder::Temporary,
+            jobs: JobLimits::default(),
+            ffmpeg: None,
             end_process: false,
         }
     }
@@ -207,6 +217,9 @@ pub enum ServeError {
         /// What happened.
         reason: String,
     },
+    /// Jobs cannot be kept.
+    #[error("jobs cannot be kept: {0}")]
+    Data(#[from] DataError),
     /// The metrics recorder could not be installed.
     #[error("metrics: {0}")]
     Metrics(String),

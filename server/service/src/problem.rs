@@ -65,6 +65,20 @@ pub const fn status_and_title(code: ErrorCode) -> (StatusCode, &'static str) {
         ErrorCode::TookTooLong => (StatusCode::SERVICE_UNAVAILABLE, "the request took too long"),
         ErrorCode::RenderFailed => (StatusCode::INTERNAL_SERVER_ERROR, "the renderer failed"),
         ErrorCode::Internal => (StatusCode::INTERNAL_SERVER_ERROR, "the server is at fault"),
+        ErrorCode::Conflict => (StatusCode::CONFLICT, "it contradicts what is there"),
+        ErrorCode::QueueFull => (StatusCode::SERVICE_UNAVAILABLE, "every place is taken"),
+        ErrorCode::InvalidUpload => (
+            StatusCode::UNPROCESSABLE_ENTITY,
+            "a file that was uploaded is unfit",
+        ),
+        ErrorCode::RangeNotSatisfiable => (
+            StatusCode::RANGE_NOT_SATISFIABLE,
+            "the range lies outside the file",
+        ),
+        ErrorCode::StorageFailed => (
+            StatusCode::SERVICE_UNAVAILABLE,
+            "what is stored cannot be read or written",
+        ),
     }
 }
 

@@ -18,13 +18,15 @@ use crate::backend::{Backend, OpenBackend, Wgpu};
 use crate::connections::{self, ConnectionLimits};
 use crate::encoder_pool::EncoderPool;
 use crate::guides::Guides;
+use crate::jobs::{self, JobLimits, Jobs};
 use crate::options::{ServeError, ServeOptions, ServiceLimits};
 use crate::origin::Origin;
 use crate::refusals::Refusals;
-use crate::render_thread::{self, Readiness};
+use crate::render_thread::{self, MOST_STILLS, Readiness};
 use crate::routes;
 use crate::scenes::Scenes;
 use crate::sessions::Sessions;
+use crate::stills::Desk;
 use crate::telemetry;
 use crate::watchdog::watch;
 
@@ -37,6 +39,8 @@ pub(crate) struct App {
     pub(crate) attempts: Attempts,
     /// Large edits are made one at a time.
     pub(crate) editing: Semaphore,
+    pub(crate) job_limits: JobLimits,
+    pub(crate) jobs: Arc<Jobs>,
     pub(crate) limits: ServiceLimits,
     pub(crate) metrics: PrometheusHandle,
     pub(crate) readiness: Arc<Readiness>,
@@ -83,10 +87,18 @@ pub async fn serve_on<B: Backend + 'static>(
     let limits = options.limits;
     let sessions = Arc::new(Sessions::new(limits.max_sessions, limits.resume_for));
     let readiness = Arc::new(Readiness::default());
+    let desk = Arc::new(Desk::new(Arc::clone(&sessions)));
+    let opened = jobs::open(
+        &options.data,
+        options.jobs,
+        options.ffmpeg,
+        Arc::clone(&desk),
+    );
+    let jobs = Arc::new(opened.await?);
     let encoders = EncoderPool::start(limits.encoder_threads, &readiness)?;
     let (render_thread, adapter) = render_thread::start(
         open,
-        Arc::clone(&sessions),
+        (Arc::clone(&sessions), desk),
         encoders,
         Arc::clone(&readiness),
         shutdown.clone(),
@@ -101,6 +113,8 @@ pub async fn serve_on<B: Backend + 'static>(
         allowed_origins,
         attempts: Attempts::new(),
         editing: Semaphore::new(1),
+        job_limits: options.jobs,
+        jobs: Arc::clone(&jobs),
         limits,
         metrics,
         readiness,
@@ -118,6 +132,10 @@ pub async fn serve_on<B: Backend + 'static>(
         let (sessions, shutdown) = (Arc::clone(&app.sessions), shutdown.clone());
         async move { sessions.forget_dropped(shutdown).await }
     });
+    for _ in 0..MOST_STILLS {
+        background.spawn(jobs::work(Arc::clone(&jobs), shutdown.clone()));
+    }
+    background.spawn(jobs::upkeep(jobs, shutdown.clone()));
     if options.end_process {
         tokio::spawn(watch(shutdown.clone(), limits.drain_within));
     }

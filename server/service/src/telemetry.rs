@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use metrics::{counter, describe_counter, describe_gauge, describe_histogram, gauge, histogram};
 use metrics_exporter_prometheus::{Matcher, PrometheusBuilder, PrometheusHandle};
+use tyndall_jobs::Counts;
 use tyndall_render::FinishedFrame;
 
 use crate::options::ServeError;
@@ -38,6 +39,15 @@ pub(crate) fn install() -> Result<PrometheusHandle, ServeError> {
 }
 
 fn describe() {
+    describe_counter!(
+        "tyndall_tasks_ended_total",
+        "Tasks of jobs by how they ended"
+    );
+    describe_histogram!("tyndall_task_seconds", "Time of a task of a job");
+    describe_gauge!("tyndall_jobs_open", "Jobs that are not over");
+    describe_gauge!("tyndall_tasks_queued", "Tasks that wait to be taken");
+    describe_gauge!("tyndall_tasks_leased", "Tasks that are being made");
+    describe_gauge!("tyndall_tasks_dead", "Tasks that failed for good");
     describe_counter!(
         "tyndall_frames_rendered_total",
         "Frames the device has finished"
@@ -188,4 +198,19 @@ pub(crate) fn malformed_message() {
 
 pub(crate) fn round_trip(time: Duration) {
     histogram!("tyndall_round_trip_seconds").record(time.as_secs_f64());
+}
+
+/// A task of a job ended so after a time.
+pub(crate) fn task_ended(outcome: &'static str, took: Duration) {
+    counter!("tyndall_tasks_ended_total", "outcome" => outcome).increment(1);
+    histogram!("tyndall_task_seconds").record(took.as_secs_f64());
+}
+
+/// What the queue of jobs holds.
+pub(crate) fn queue(counts: Counts) {
+    let whole = |count: u64| count as f64;
+    gauge!("tyndall_jobs_open").set(whole(counts.open_jobs));
+    gauge!("tyndall_tasks_queued").set(whole(counts.queued_tasks));
+    gauge!("tyndall_tasks_leased").set(whole(counts.leased_tasks));
+    gauge!("tyndall_tasks_dead").set(whole(counts.dead_tasks));
 }

@@ -5,6 +5,7 @@ mod clock;
 mod faults;
 mod guards;
 mod http;
+mod jobs;
 mod lavapipe;
 mod load;
 mod steering;

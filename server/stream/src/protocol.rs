@@ -440,4 +440,14 @@ pub enum ErrorCode {
     RenderFailed,
     /// A fault of the server.
     Internal,
+    /// What is asked for contradicts what is there.
+    Conflict,
+    /// As many jobs wait as may, or as many uploads are being received.
+    QueueFull,
+    /// A file that was uploaded is unfit.
+    InvalidUpload,
+    /// The range lies outside the file.
+    RangeNotSatisfiable,
+    /// What is stored cannot be read or written.
+    StorageFailed,
 }

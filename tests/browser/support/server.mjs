@@ -34,6 +34,7 @@ export class Server {
     const portFile = join(this.#folder, 'address');
     this.#process = spawn(BINARY, ['serve', '--bind', address, '--port-file', portFile, ...this.#options], {
       stdio: ['ignore', 'pipe', 'pipe'],
+      env: { ...process.env, XDG_DATA_HOME: this.#folder },
     });
     for (const stream of [this.#process.stdout, this.#process.stderr]) {
       stream.setEncoding('utf8').on('data', (text) => {

@@ -8,3 +8,4 @@ pub mod plan;
 pub mod render;
 pub mod serve;
 mod serve_limits;
+pub mod submit;

@@ -8,20 +8,20 @@ use std::time::Instant;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use tyndall_picture::{Metadata, scene_hash};
 use tyndall_render::{Device, Renderer};
 use tyndall_scene::StopRule;
 use tyndall_scene::description::render::{CorrectionMode, Technique};
+use tyndall_still::{FinishedStill, Output, StillTask};
 
-use crate::output::{self, Format};
+use crate::output;
 use crate::scene_argument::{self, DeviceArguments};
 
-/// Render a scene to an EXR or PNG file.
+/// Render a scene to an EXR, PNG or JPEG file.
 #[derive(Debug, Args)]
 pub struct Render {
     /// Preset, .json scene, or bare .gltf, .glb or .obj model.
     scene: String,
-    /// File to write: .exr holds linear radiance and all other layers, .png the displayed picture.
+    /// File to write: .exr holds linear radiance and all other layers, .png and .jpg the displayed picture.
     #[arg(short, long)]
     output: PathBuf,
     /// Width in pixels; the scene's without it.
@@ -60,7 +60,7 @@ pub struct Render {
 
 impl Render {
     pub fn run(self) -> anyhow::Result<()> {
-        let format = Format::of(&self.output)?;
+        let format = output::format(&self.output)?;
         if let Some(folder) = self.output.parent()
             && !folder.as_os_str().is_empty()
             && !folder.is_dir()
@@ -72,26 +72,21 @@ impl Render {
         let scene = Arc::new(loaded.scene);
         let (width, height) = (scene.render.width, scene.render.height);
         let mut renderer = Renderer::new(Device::open(&self.device.options())?)?;
-        let mut view = renderer.create_view(Arc::clone(&scene), width, height)?;
         let bar = self.bar(scene.render.stop)?;
         let started = Instant::now();
-        let still = renderer.render_still(&mut view, |progress| {
+        let task = StillTask::new(Arc::clone(&scene));
+        let still = task.run(&mut renderer, |progress| {
             bar.set_position(progress.samples.into());
         })?;
         let seconds = started.elapsed().as_secs_f64();
         bar.finish_and_clear();
         let adapter = renderer.adapter();
-        let metadata = Metadata {
-            scene: scene.name.clone(),
-            scene_hash: scene_hash(&loaded.description)?,
-            technique: scene.render.technique.name().to_owned(),
-            seed: scene.render.seed,
-            samples: still.frame.samples,
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            adapter: format!("{} ({})", adapter.name, adapter.driver),
-        };
-        output::write(&self.output, format, &still, &metadata)
+        let names = (adapter.name.as_str(), adapter.driver.as_str());
+        let finished = FinishedStill::new(still, &loaded.description, &scene, names)?;
+        let bytes = tyndall_still::encode(&finished, &Output::whole(format))?;
+        output::write(&self.output, &bytes)
             .with_context(|| format!("cannot write {}", self.output.display()))?;
+        let still = finished.still;
         if !self.quiet {
             let mut err = std::io::stderr().lock();
             writeln!(
@@ -144,6 +139,7 @@ impl Render {
             description,
             scene,
             warnings: loaded.warnings,
+            files: loaded.files,
         })
     }
 

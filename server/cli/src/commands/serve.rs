@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 use tokio_util::sync::CancellationToken;
-use tyndall_service::ServeOptions;
+use tyndall_service::{DataFolder, ServeOptions};
 
 use super::serve_limits::LimitArguments;
 use crate::scene_argument::{self, DeviceArguments};
@@ -31,6 +31,12 @@ pub struct Serve {
     /// (repeatable).
     #[arg(long = "allow-origin")]
     allowed_origins: Vec<String>,
+    /// Folder that keeps jobs and their results; without it one of the user's data folder.
+    #[arg(long, env = "TYNDALL_DATA", value_name = "FOLDER")]
+    data: Option<PathBuf>,
+    /// The ffmpeg that makes videos; without it the one of the search path.
+    #[arg(long, value_name = "FILE")]
+    ffmpeg: Option<PathBuf>,
     #[command(flatten)]
     device: DeviceArguments,
     #[command(flatten, next_help_heading = "Limits")]
@@ -46,6 +52,9 @@ impl Serve {
             allowed_origins: self.allowed_origins,
             limits: self.limits.limits(),
             memory: self.limits.memory(),
+            data: data_folder(self.data),
+            jobs: self.limits.jobs(),
+            ffmpeg: self.ffmpeg,
             end_process: true,
             ..ServeOptions::new(self.bind, scene_argument::load(&self.scene)?)
         };
@@ -57,5 +66,21 @@ impl Serve {
         // A scene that is still being built is not waited for.
         runtime.shutdown_background();
         Ok(served?)
+    }
+}
+
+/// The folder that was named, or the usual one of this user.
+fn data_folder(named: Option<PathBuf>) -> DataFolder {
+    if let Some(folder) = named {
+        return DataFolder::Named(folder);
+    }
+    let absolute = |name: &str| {
+        let value = std::env::var_os(name).map(PathBuf::from);
+        value.filter(|folder| folder.is_absolute())
+    };
+    let home = || absolute("HOME").map(|home| home.join(".local/share"));
+    match absolute("XDG_DATA_HOME").or_else(home) {
+        Some(folder) => DataFolder::Usual(folder.join("tyndall")),
+        None => DataFolder::Temporary,
     }
 }

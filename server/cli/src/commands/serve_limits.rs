@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use clap::Args;
 use tyndall_render::MemoryBudget;
-use tyndall_service::ServiceLimits;
+use tyndall_service::{JobLimits, ServiceLimits};
 
 use crate::scene_argument;
 
@@ -64,6 +64,15 @@ pub struct LimitArguments {
     /// What a frame of a moving picture may take: its size follows. 33ms on a GPU, 100ms without one.
     #[arg(long, value_name = "TIME")]
     frame_budget: Option<Time>,
+    /// Jobs that are not over.
+    #[arg(long, default_value_t = JobLimits::default().max_open_jobs, value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+    max_open_jobs: u64,
+    /// Bytes of all files that come with a job.
+    #[arg(long, default_value_t = JobLimits::default().max_upload_bytes, value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+    max_upload_bytes: u64,
+    /// How long jobs that are over are kept, in hours.
+    #[arg(long, value_name = "HOURS", default_value_t = JobLimits::default().keep_for.as_secs() / 3600, value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
+    keep_jobs: u64,
     /// Device memory that one picture may take, in MiB.
     #[arg(long, value_name = "MIB", default_value_t = MemoryBudget::default().per_view >> 20, value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     picture_memory: u64,
@@ -93,6 +102,15 @@ impl LimitArguments {
             edit_percent: self.edit_percent,
             encoder_threads: self.encoder_threads,
             frame_budget: self.frame_budget.map(|budget| budget.0),
+        }
+    }
+
+    /// The bounds of jobs.
+    pub fn jobs(&self) -> JobLimits {
+        JobLimits {
+            max_open_jobs: self.max_open_jobs,
+            max_upload_bytes: self.max_upload_bytes,
+            keep_for: Duration::from_secs(3600 * self.keep_jobs),
         }
     }
 
@@ -151,6 +169,7 @@ mod tests {
         let line = Line::parse_from(["serve"]).limits;
         assert_eq!(line.limits(), ServiceLimits::default());
         assert_eq!(line.memory(), MemoryBudget::default());
+        assert_eq!(line.jobs(), JobLimits::default());
         let line = Line::parse_from(["serve", "--drain-within", "500ms", "--max-side", "64"]);
         let expected = ServiceLimits {
             drain_within: Duration::from_millis(500),

@@ -39,6 +39,8 @@ pub(crate) struct Slices {
     /// Side of its cells, and by which their places are moved. Unit: pixel.
     stride: u32,
     offset: [u32; 2],
+    /// Whether sweeps go row by row, whatever is asked.
+    whole: bool,
     batch: u32,
     /// Counts the sweeps.
     sweep: u32,
@@ -148,6 +150,7 @@ impl Slices {
             next: Position::default(),
             stride: 1,
             offset: [0; 2],
+            whole: false,
             batch: 1,
             sweep: 0,
         }
@@ -158,6 +161,11 @@ impl Slices {
         let before = self.budget;
         self.budget = before.max(STILL_BUDGET);
         before
+    }
+
+    /// Whether sweeps go row by row: nobody looks at a still before it is done.
+    pub fn keep_whole(&mut self, whole: bool) {
+        self.whole = whole;
     }
 
     /// Changes the longest dispatch.
@@ -195,6 +203,7 @@ impl Slices {
     /// new samples where it has as many, for the paths that wait.
     pub fn next(&self, size: (u32, u32), done: u32, wanted: u32, cut: Cut) -> Slice {
         let (width, height) = size;
+        let cut = if self.whole { Cut::Rows } else { cut };
         let units = self.affordable();
         let (stride, offset, samples) = if self.next == Position::default() {
             let whole = f64::from(width) * f64::from(height);

@@ -26,6 +26,8 @@ pub struct Loaded {
     pub scene: Scene,
     /// What was left out or approximated, one sentence each.
     pub warnings: Vec<String>,
+    /// Files that it was made from, by their names in the scene's folder.
+    pub files: Vec<String>,
 }
 
 /// Validates a description, reads its files from `folder` and builds the scene.
@@ -91,6 +93,7 @@ fn whole(
         description,
         scene,
         warnings,
+        files: folder.found(),
     };
     Ok((loaded, file_camera))
 }

@@ -10,13 +10,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use tyndall_files::guarded;
+use tyndall_files::relative::why_not_relative;
 
 use super::importer::{IDENTITY_UV, Importer};
 use super::surface::RawMesh;
 use super::transform::initial;
 use crate::description::geometry::ObjGeometry;
 use crate::error::{SceneError, abbreviate};
-use crate::files::{Folder, why_not_relative};
+use crate::files::Folder;
 use crate::scene::{ColorSpace, Material, TextureRef};
 
 /// Largest index; more elements would not fit the limits of any scene.

@@ -8,6 +8,7 @@
 //! - `round`: the loop;
 //! - `seat`: a session's place at the device;
 //! - `show`: brings a picture to a wish, prepared first, with `fit` smaller where memory is short;
+//! - `stills`: pictures of jobs, in slices between those of sessions;
 //! - `effort`: how many pixels a moving picture gets;
 //! - `refusal`: pictures that cannot be made, and frames that cannot be read;
 //! - `recovery`: a lost device or a renderer that panicked, who may have lost it, and another one;
@@ -21,6 +22,7 @@ mod refusal;
 mod round;
 mod seat;
 mod show;
+mod stills;
 
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -31,17 +33,20 @@ use tyndall_scene::Scene;
 use tyndall_stream::protocol::{Adapter, AdapterKind};
 
 use self::round::RenderThread;
+use self::stills::Stills;
 use crate::backend::{Backend, OpenBackend};
 use crate::encoder_pool::EncoderPool;
 use crate::options::ServeError;
 use crate::sessions::Sessions;
+use crate::stills::Desk;
 
 pub(crate) use self::readiness::{Place, Readiness};
+pub(crate) use self::stills::MOST_STILLS;
 
 /// Starts the thread and waits until its device is open. `first` is the scene that pages open first.
 pub(crate) async fn start<B: Backend + 'static>(
     mut open: OpenBackend<B>,
-    sessions: Arc<Sessions>,
+    (sessions, desk): (Arc<Sessions>, Arc<Desk>),
     encoders: EncoderPool,
     readiness: Arc<Readiness>,
     shutdown: CancellationToken,
@@ -81,6 +86,7 @@ pub(crate) async fn start<B: Backend + 'static>(
                     readiness: Arc::clone(&readiness),
                     shutdown,
                     seats: Vec::new(),
+                    stills: Stills::new(desk),
                     turn: 0,
                     software,
                     frame_budget,

@@ -59,7 +59,9 @@ impl<B: Backend> RenderThread<B> {
         self.readiness.set(false);
         telemetry::device_lost();
         tracing::error!(error = %loss.error, "the device is lost, opening another");
-        blame(&mut self.seats, loss);
+        let beside = self.stills.is_on_device();
+        blame(&mut self.seats, loss, beside);
+        self.stills.lost(&loss.error);
         let lost = self.backend.take();
         if let Err(panic) = catch_unwind(AssertUnwindSafe(|| drop(lost))) {
             tracing::error!(words = words(panic.as_ref()), "closing the device panicked");
@@ -108,11 +110,12 @@ impl<B: Backend> RenderThread<B> {
     }
 }
 
-/// Empties all seats; refuses the wish that lost the device, or makes suspect those that may have.
-fn blame<V>(seats: &mut [Seat<V>], loss: &Loss) {
+/// Empties all seats; refuses the wish that lost the device, or makes suspect those that may have. `beside`
+/// says whether a still was on the device as well.
+fn blame<V>(seats: &mut [Seat<V>], loss: &Loss, beside: bool) {
     let error = &loss.error;
     let suspects: Vec<Option<Wish>> = seats.iter().map(|seat| suspect(seat, loss)).collect();
-    let alone = suspects.iter().flatten().count() == 1;
+    let alone = suspects.iter().flatten().count() == 1 && !beside;
     for (seat, suspect) in seats.iter_mut().zip(suspects) {
         seat.clear();
         let Some(wish) = suspect else {

@@ -12,6 +12,7 @@ use super::readiness::Readiness;
 use super::refusal::{Loss, is_loss, refuse, unread};
 use super::seat::{Flight, Seat};
 use super::show::{show, show_meanwhile};
+use super::stills::Stills;
 use crate::backend::{Backend, OpenBackend};
 use crate::bell::lock;
 use crate::encoder_pool::{EncoderPool, Job};
@@ -41,6 +42,8 @@ pub(super) struct RenderThread<B: Backend> {
     pub(super) readiness: Arc<Readiness>,
     pub(super) shutdown: CancellationToken,
     pub(super) seats: Vec<Seat<B::View>>,
+    /// Pictures of jobs.
+    pub(super) stills: Stills<B::Still>,
     /// Who is asked first, so that everyone is once.
     pub(super) turn: usize,
     pub(super) software: bool,
@@ -63,6 +66,7 @@ impl<B: Backend> RenderThread<B> {
             };
             self.recover(&loss);
         }
+        self.stills.clear();
         for seat in &mut self.seats {
             seat.clear();
         }
@@ -73,7 +77,8 @@ impl<B: Backend> RenderThread<B> {
         self.seat_sessions();
         let submitted = self.begin_frames()?;
         self.turn = self.turn.wrapping_add(1) % self.seats.len().max(1);
-        if !self.is_busy() {
+        let worked = self.work_on_stills()?;
+        if !self.is_busy() && !self.stills.are_there() {
             self.rest();
             return Ok(());
         }
@@ -84,11 +89,12 @@ impl<B: Backend> RenderThread<B> {
         let looked_after = backend.poll();
         self.note(looked_after)?;
         self.go_on()?;
-        if !self.collect() && !submitted {
+        if !self.collect() && !submitted && !worked {
             // Frames are on the device: block for the oldest, or rest if that returned nothing.
             let waited = self.wait_for_oldest();
             self.note(waited)?;
-            if !self.collect() {
+            let sliced = !self.is_busy() && self.wait_for_slice().map_err(Loss::of_nobody)?;
+            if !self.collect() && !sliced {
                 self.sessions.bell.wait(Some(Instant::now() + POLL_EVERY));
             }
         }
@@ -123,16 +129,26 @@ impl<B: Backend> RenderThread<B> {
 
     /// What a picture may cost of which nothing is known yet.
     fn effort(&self) -> Effort {
-        let (budget, fixed, per_pixel) = if self.software {
-            (SOFTWARE_BUDGET, SOFTWARE_FRAME, SOFTWARE_PIXEL)
+        let (fixed, per_pixel) = if self.software {
+            (SOFTWARE_FRAME, SOFTWARE_PIXEL)
         } else {
-            (GPU_BUDGET, GPU_FRAME, GPU_PIXEL)
+            (GPU_FRAME, GPU_PIXEL)
         };
-        Effort::new(self.frame_budget.unwrap_or(budget), fixed, per_pixel)
+        Effort::new(self.moving_budget(), fixed, per_pixel)
     }
 
-    /// Whether frames are on the device.
-    fn is_busy(&self) -> bool {
+    /// What a frame of a moving picture may take.
+    pub(super) fn moving_budget(&self) -> Duration {
+        let usual = if self.software {
+            SOFTWARE_BUDGET
+        } else {
+            GPU_BUDGET
+        };
+        self.frame_budget.unwrap_or(usual)
+    }
+
+    /// Whether frames of sessions are on the device.
+    pub(super) fn is_busy(&self) -> bool {
         self.seats.iter().any(|seat| seat.flight.is_some())
     }
 
@@ -140,7 +156,8 @@ impl<B: Backend> RenderThread<B> {
     fn begin_frames(&mut self) -> Result<bool, Loss> {
         let suspect = self.next_suspect(Instant::now());
         let is_alone = |seat: &Seat<B::View>| seat.suspect.is_some() && seat.flight.is_some();
-        if self.is_busy() && (suspect.is_some() || self.seats.iter().any(is_alone)) {
+        let shared = self.is_busy() || self.stills.is_on_device();
+        if shared && (suspect.is_some() || self.seats.iter().any(is_alone)) {
             return Ok(false);
         }
         if let Some(index) = suspect
@@ -318,6 +335,7 @@ impl<B: Backend> RenderThread<B> {
                     }
                 };
                 telemetry::frame_rendered(&frame);
+                self.stills.follow();
                 let ours = |flight: &mut Flight| u64::from(flight.frame_id) == frame.tag;
                 let Some(flight) = seat.flight.take_if(ours) else {
                     continue;

@@ -1,8 +1,11 @@
 //! HTTP addresses, a file each, and what holds for all of them.
 
+mod body;
 mod health;
 mod host;
+mod jobs;
 mod metrics;
+mod openapi;
 mod page;
 mod plan;
 mod presets;
@@ -36,6 +39,7 @@ pub(crate) fn router(app: Arc<App>) -> Router {
         .route("/v1/schema", get(schema::scene))
         .route("/v1/stream", any(socket::upgrade))
         .route("/metrics", get(metrics::print))
+        .merge(jobs::router(app.job_limits.max_upload_bytes))
         .route_layer(middleware::from_fn_with_state(
             Arc::clone(&app),
             token::require,
@@ -45,6 +49,9 @@ pub(crate) fn router(app: Arc<App>) -> Router {
         .route("/livez", get(health::live))
         .route("/readyz", get(health::ready))
         .route("/version", get(health::version))
+        .route("/openapi.json", get(openapi::json))
+        .route("/docs", get(openapi::page))
+        .route("/docs.js", get(openapi::script))
         .merge(guarded)
         .layer(DefaultBodyLimit::max(app.limits.max_body_bytes))
         .with_state(app)

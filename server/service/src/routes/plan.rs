@@ -6,10 +6,11 @@ use axum::Json;
 use axum::body::Bytes;
 use axum::extract::rejection::QueryRejection;
 use axum::extract::{FromRequest as _, Query, Request, State};
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::http::StatusCode;
 use serde::Deserialize;
 use tyndall_stream::protocol::ErrorCode;
 
+use super::body::is_json;
 use crate::problem::Problem;
 use crate::scenes::PlanReply;
 use crate::server::App;
@@ -62,15 +63,4 @@ pub(super) async fn of_scene(
         .map_err(|_not_text| Problem::new(ErrorCode::Malformed, "the body is not UTF-8 text"))?;
     let limits = app.readiness.plan_limits();
     Ok(Json(app.scenes.plan_of(text, limits).await?))
-}
-
-fn is_json(headers: &HeaderMap) -> bool {
-    let kind = headers
-        .get(header::CONTENT_TYPE)
-        .and_then(|value| value.to_str().ok());
-    let essence = kind
-        .and_then(|kind| kind.split(';').next())
-        .unwrap_or_default()
-        .trim();
-    essence.eq_ignore_ascii_case("application/json") || essence.ends_with("+json")
 }

@@ -10,7 +10,8 @@ use tyndall_render::{
 };
 use tyndall_scene::{Scene, StopRule};
 use tyndall_service::ServeError;
-use tyndall_service::backend::{Backend, OpenBackend};
+use tyndall_service::backend::{Backend, OpenBackend, StillInMaking};
+use tyndall_still::{Progress, Step};
 use tyndall_stream::protocol::{Adapter, AdapterKind, Plan, PlannedPass};
 
 /// Time of a frame on the device.
@@ -172,8 +173,39 @@ impl Fake {
     }
 }
 
+/// A still that takes a frame a sample.
+pub struct FakeStill {
+    view: Option<FakeView>,
+    scene: Arc<Scene>,
+    shown: Option<FinishedFrame>,
+    frames: u64,
+}
+
+impl StillInMaking for FakeStill {
+    fn is_on_device(&self) -> bool {
+        let view = self.view.as_ref();
+        view.is_some_and(|view| !view.flying.is_empty())
+    }
+
+    fn progress(&self) -> Progress {
+        let samples = self.shown.as_ref().map_or(0, |frame| frame.samples);
+        let target = self.view.as_ref().map_or(1, FakeView::target);
+        Progress {
+            samples,
+            estimated_error: None,
+            fraction: samples as f32 / target as f32,
+            frames: self.frames,
+        }
+    }
+
+    fn shown(&self) -> Option<&FinishedFrame> {
+        self.shown.as_ref()
+    }
+}
+
 impl Backend for Fake {
     type View = FakeView;
+    type Still = FakeStill;
 
     fn adapter(&self) -> Adapter {
         Adapter {
@@ -359,5 +391,73 @@ impl Backend for Fake {
 
     fn is_converged(&self, view: &FakeView) -> bool {
         view.samples >= view.target()
+    }
+
+    fn new_still(&self, scene: Arc<Scene>) -> FakeStill {
+        FakeStill {
+            view: None,
+            scene,
+            shown: None,
+            frames: 0,
+        }
+    }
+
+    fn step_still(
+        &mut self,
+        still: &mut FakeStill,
+        _budget: Option<Duration>,
+    ) -> Result<Step, RenderError> {
+        if still.view.is_none() {
+            let render = &still.scene.render;
+            let (width, height) = (render.width, render.height);
+            let view = self.create_view(Arc::clone(&still.scene), width, height)?;
+            still.view = Some(view);
+        }
+        let Some(view) = &mut still.view else {
+            return Ok(Step::Preparing);
+        };
+        if !view.flying.is_empty() {
+            self.call()?;
+            while let Some(frame) = self.take_finished(view) {
+                still.shown = Some(frame?);
+                still.frames += 1;
+            }
+            return Ok(Step::Waiting);
+        }
+        Ok(match self.render(view, 0)? {
+            RenderOutcome::Submitted => Step::Submitted,
+            RenderOutcome::Converged => Step::Finished,
+            RenderOutcome::Busy => Step::Waiting,
+        })
+    }
+
+    fn wait_for_still(&mut self, still: &FakeStill) -> Result<(), RenderError> {
+        match &still.view {
+            Some(view) => self.wait_for(view),
+            None => Ok(()),
+        }
+    }
+
+    fn finish_still(
+        &mut self,
+        still: FakeStill,
+    ) -> Result<Option<tyndall_render::Still>, RenderError> {
+        self.call()?;
+        let pixel = |frame: &FinishedFrame| frame.width as usize * frame.height as usize;
+        Ok(still.shown.map(|frame| tyndall_render::Still {
+            radiance: vec![[frame.samples as f32; 4]; pixel(&frame)],
+            variance: None,
+            base: None,
+            traced: None,
+            square_error: None,
+            samples_per_pixel: None,
+            depth: None,
+            normal: None,
+            albedo: None,
+            non_finite: 0,
+            negative: 0,
+            truncated: 0,
+            frame,
+        }))
     }
 }

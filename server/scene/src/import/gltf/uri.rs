@@ -3,10 +3,10 @@
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use tyndall_files::relative::why_not_relative;
 
 use super::file::File;
 use crate::error::{SceneError, abbreviate};
-use crate::files::why_not_relative;
 use crate::import::importer::Importer;
 
 /// Exporters disagree on padding.

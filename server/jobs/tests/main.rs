@@ -1,0 +1,4 @@
+//! Tests of the crate as one binary.
+
+mod conformance;
+mod sqlite;
