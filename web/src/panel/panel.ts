@@ -30,7 +30,7 @@ export interface PanelEvents {
 }
 
 /** Folders that start closed: what a first visitor does not need. */
-const CLOSED = new Set(['Quality']);
+const CLOSED = new Set(['Hierarchical filter', 'Quality']);
 
 export class Panel {
   private gui: GUI | null = null;

@@ -38,7 +38,7 @@ export function addTechnique(folder: GUI, render: RenderDescription, changed: ()
     return { value, label: words(value) + (disabled ? ' – not rendered yet' : ''), disabled };
   });
   addSelect(folder, technique, 'Technique', options);
-  const filter = folder.addFolder(words('screen_space'));
+  const filter = folder.addFolder('Screen space');
   addScreenSpace(filter, render.screen_space, changed);
   const show = () => filter.show(render.technique === 'screen_space');
   show();

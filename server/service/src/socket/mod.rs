@@ -200,6 +200,18 @@ async fn converse(app: Arc<App>, socket: WebSocket) {
     }
 }
 
+/// What it tells that nothing can be sent: the client said goodbye before, or its connection broke.
+fn unsent(error: axum::Error) -> Farewell {
+    match error.into_inner().downcast_ref::<WebSocketError>() {
+        Some(
+            WebSocketError::ConnectionClosed
+            | WebSocketError::AlreadyClosed
+            | WebSocketError::Protocol(ProtocolError::SendAfterClosing),
+        ) => Farewell::CLIENT_LEFT,
+        _ => Farewell::ABORTED,
+    }
+}
+
 /// What a connection that broke tells: a message that is no message, or that nobody is there any more.
 fn broken(error: axum::Error) -> Farewell {
     match error.into_inner().downcast_ref::<WebSocketError>() {

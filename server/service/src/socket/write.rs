@@ -7,7 +7,7 @@ use axum::extract::ws::Message;
 use futures_util::SinkExt as _;
 use tyndall_stream::protocol::ServerMessage;
 
-use super::{Farewell, Sink, send};
+use super::{Farewell, Sink, send, unsent};
 use crate::bell::lock;
 use crate::outbox::{EncodedFrame, Outgoing};
 use crate::server::App;
@@ -28,7 +28,7 @@ pub(super) async fn run(app: &App, session: &Session, number: u64, sink: &mut Si
             // The answer keeps the reader from taking the client for dead.
             match sink.send(Message::Ping(Bytes::new())).await {
                 Ok(()) => continue,
-                Err(_gone) => return Farewell::CLIENT_LEFT,
+                Err(gone) => return unsent(gone),
             }
         };
         let sent = async {
@@ -43,7 +43,7 @@ pub(super) async fn run(app: &App, session: &Session, number: u64, sink: &mut Si
         };
         match tokio::time::timeout(app.limits.send_within, sent).await {
             Ok(Ok(())) => {}
-            Ok(Err(_gone)) => return Farewell::CLIENT_LEFT,
+            Ok(Err(gone)) => return unsent(gone),
             Err(_elapsed) => return Farewell::SILENT,
         }
     }
