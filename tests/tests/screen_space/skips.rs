@@ -80,4 +80,5 @@ fn the_filter_costs_little_beside_what_every_picture_costs() {
         "640×360: filter {filter:.2} ms, film {film:.2} ms, tonemap {tonemap:.2} ms: {ratio:.2}"
     );
     assert!(filter > 0.0 && film > 0.0 && tonemap > 0.0);
+    assert!(ratio < 1.5, "{ratio}");
 }

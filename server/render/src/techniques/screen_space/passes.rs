@@ -14,13 +14,17 @@ use crate::stages::surfaces::{EMISSION, LEAVING_RADIANCE, SURFACE_RADIANCE, dept
 const ARRIVING: ResourceSpec =
     ResourceSpec::texture("arriving_radiance", wgpu::TextureFormat::Rgba32Float);
 /// What is scattered, and the width of its spread, at all levels.
-const SCATTERED: ResourceSpec = of_all_levels("scattered", 16);
-/// Of the splat pyramid: what stays at each level. Level 0 has none.
-const INJECTED: ResourceSpec = of_all_levels("injected", 16);
+const SCATTERED: ResourceSpec = cells_of("scattered");
+/// Of the splat pyramid: what stays at each level from 1 on.
+const INJECTED: ResourceSpec = ResourceSpec::buffer(
+    "injected",
+    Bytes::OfPicture(|size| 16 * (cells(size) - u64::from(size[0]) * u64::from(size[1]))),
+);
 /// Bright pixels that are filtered apart.
-const BRIGHT: ResourceSpec = of_all_levels("bright", 16);
+const BRIGHT: ResourceSpec = cells_of("bright");
 /// Deviations of spreads, blurred. Unit: px.
-const BLURRED_SPREADS: ResourceSpec = of_all_levels("blurred_spreads", 4);
+const BLURRED_SPREADS: ResourceSpec =
+    ResourceSpec::buffer("blurred_spreads", Bytes::OfPicture(|size| 4 * cells(size)));
 /// Sums of the gathering filter.
 const GATHERED: ResourceSpec = ResourceSpec::buffer("gathered", Bytes::PerPixel(16));
 /// The filter's settings on the device.
@@ -30,11 +34,9 @@ const SETTINGS: ResourceSpec = ResourceSpec::buffer(
 )
 .kept();
 
-const fn of_all_levels(name: &'static str, bytes: u64) -> ResourceSpec {
-    match bytes {
-        4 => ResourceSpec::buffer(name, Bytes::OfPicture(|size| 4 * cells(size))),
-        _ => ResourceSpec::buffer(name, Bytes::OfPicture(|size| 16 * cells(size))),
-    }
+/// Four f32 for each cell of all levels.
+const fn cells_of(name: &'static str) -> ResourceSpec {
+    ResourceSpec::buffer(name, Bytes::OfPicture(|size| 16 * cells(size)))
 }
 
 /// Why the picture is only attenuated, if so.
